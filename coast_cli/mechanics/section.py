@@ -1,0 +1,79 @@
+"""Cross-sections of a tube: the full ring, and what a one-sided notch leaves of it.
+
+Equations (1)-(2) of P, "Model-based Design of the COAST Guidewire Robot for Large Deflection" (RA-L 2023). P keeps a
+*sector* of the ring (radial cut walls); a straight laser cut leaves the *chord* section instead (a circular segment of
+the outer circle less that of the bore), which is 1.1 to 1.6 times softer on the reference tubes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+SectionKind = Literal["sector", "chord"]
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class SectionProperties:
+    """Area (m^2), distance of the neutral axis from the tube's axis (m), second moment of area about it (m^4)."""
+
+    area: FloatArray
+    neutral_axis: FloatArray
+    second_moment: FloatArray
+
+
+def full_section(outer_radius: ArrayLike, inner_radius: ArrayLike) -> SectionProperties:
+    """Return the properties of the uncut ring; radii in m, any shapes that broadcast (P, text above (1))."""
+    ro, ri = np.asarray(outer_radius, dtype=float), np.asarray(inner_radius, dtype=float)
+    area = np.pi * (ro**2 - ri**2)
+    return SectionProperties(area, np.zeros_like(area), np.pi / 4.0 * (ro**4 - ri**4))
+
+
+def notched_section(
+    outer_radius: ArrayLike, inner_radius: ArrayLike, depth: ArrayLike, kind: SectionKind = "sector"
+) -> SectionProperties:
+    """Return the properties of the section that a notch of ``depth`` leaves.
+
+    Args:
+        outer_radius, inner_radius: of the tube, m.
+        depth: of the notch from the outer surface, m; ro <= depth < 2 ro. Arrays broadcast.
+        kind: "sector" (P (1)-(2), radial cut walls) or "chord" (a straight cut, exact circular segments).
+    """
+    ro, ri, d = np.broadcast_arrays(
+        np.asarray(outer_radius, dtype=float), np.asarray(inner_radius, dtype=float), np.asarray(depth, dtype=float)
+    )
+    return _sector(ro, ri, d) if kind == "sector" else _chord(ro, ri, d)
+
+
+def _sector(ro: FloatArray, ri: FloatArray, depth: FloatArray) -> SectionProperties:
+    half = np.arccos((depth - ro) / ro)
+    phi = 2.0 * half
+    area = phi / 2.0 * (ro**2 - ri**2)
+    cubes = ro**3 - ri**3
+    neutral_axis = 4.0 * np.sin(half) * cubes / (3.0 * phi * (ro**2 - ri**2))
+    second_moment = (ro**4 - ri**4) * (phi + np.sin(phi)) / 8.0 - 8.0 * np.sin(half) ** 2 * cubes**2 / (
+        9.0 * phi * (ro**2 - ri**2)
+    )
+    return SectionProperties(area, neutral_axis, second_moment)
+
+
+def _chord(ro: FloatArray, ri: FloatArray, depth: FloatArray) -> SectionProperties:
+    outer_area, outer_first, outer_second = _segment(ro, depth - ro)
+    bore_area, bore_first, bore_second = _segment(ri, depth - ro)
+    area = outer_area - bore_area
+    neutral_axis = (outer_first - bore_first) / area
+    return SectionProperties(area, neutral_axis, outer_second - bore_second - area * neutral_axis**2)
+
+
+def _segment(radius: FloatArray, distance: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return area, first and second moment, about the circle's centre, of its part beyond a chord at ``distance``."""
+    half = np.arccos(np.clip(distance / radius, -1.0, 1.0))
+    sine, cosine = np.sin(half), np.cos(half)
+    area = radius**2 * (half - sine * cosine)
+    first = 2.0 / 3.0 * radius**3 * sine**3
+    second = radius**4 / 4.0 * (half - sine * cosine + 2.0 * sine**3 * cosine)
+    return area, first, second

@@ -1,0 +1,17 @@
+"""Units at the edge of the program: inside, everything is SI; files and tables say their unit in the name's suffix."""
+
+from __future__ import annotations
+
+from math import pi
+
+MILLIMETRE = 1e-3
+MICROMETRE = 1e-6
+DEGREE = pi / 180.0
+GIGAPASCAL = 1e9
+
+# Suffixes of column names with their factor to SI, one table a quantity.
+LENGTH = {"_m": 1.0, "_mm": MILLIMETRE, "_um": MICROMETRE}
+ANGLE = {"_rad": 1.0, "_deg": DEGREE}
+FORCE = {"_n": 1.0, "_mn": 1e-3}
+CURVATURE = {"_per_m": 1.0, "_per_mm": 1e3}
+TIME = {"_s": 1.0, "_ms": 1e-3}
