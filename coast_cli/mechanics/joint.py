@@ -1,0 +1,199 @@
+"""The tendon-driven joint: tendon stroke from curvature, curvature from stroke, and where the tip is.
+
+Equations (9)-(12) of P, "Model-based Design of the COAST Guidewire Robot for Large Deflection" (RA-L 2023), with what P
+omits decided as in each docstring. Valid for increasing stroke only; on release the real joint lags.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from coast_cli.errors import BadInput
+from coast_cli.mechanics.section import FloatArray
+from coast_cli.mechanics.tube import NotchedTube
+from coast_cli.mechanics.verdict import Verdict
+
+# Newton steps of the inverse; five are enough from the linear start, the rest is for hard corners.
+_MOST_STEPS = 60
+
+
+@dataclass(frozen=True, slots=True)
+class Tendon:
+    """The pull wire: radius (m), Young's modulus (Pa), undeformed length from actuator to tip (m)."""
+
+    radius: float
+    youngs_modulus: float
+    length: float
+
+    @property
+    def stiffness(self) -> float:
+        """Axial stiffness E pi r^2 / L, N/m."""
+        return self.youngs_modulus * np.pi * self.radius**2 / self.length
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A bending segment: an outer and a middle tube, or one notched tube, pulled by one tendon.
+
+    Attributes:
+        outer: the outer tube, or None for a joint of one tube.
+        middle: the tube whose inner wall holds the tendon.
+        tendon: None where the drive is a tension (its radius then counts as zero, P's dy).
+        youngs_modulus: of the joint model, Pa; P calibrates it apart from the gravity model's.
+        pulley_friction: mu. wrap_angle: alpha, rad. notch_friction: eta, per notch.
+        deadband: slack stroke before the tendon pulls, m.
+    """
+
+    outer: NotchedTube | None
+    middle: NotchedTube
+    tendon: Tendon | None
+    youngs_modulus: float
+    pulley_friction: float = 0.0
+    wrap_angle: float = 0.0
+    notch_friction: float = 1.0
+    deadband: float = 0.0
+
+    @cached_property
+    def second_moment(self) -> float:
+        """Series second moment of area of both tubes together, m^4 (decision: I_out,series + I_mid,series)."""
+        tubes = (self.middle,) if self.outer is None else (self.outer, self.middle)
+        return sum(tube.rigidity_series / tube.youngs_modulus for tube in tubes)
+
+    @property
+    def rigidity(self) -> float:
+        """Flexural rigidity of the joint, N m^2."""
+        return self.youngs_modulus * self.second_moment
+
+    @cached_property
+    def lever_arm(self) -> float:
+        """Distance dy of the tendon from the middle tube's neutral axis, m: ybar + ri - r_t, averaged over notches."""
+        radius = 0.0 if self.tendon is None else self.tendon.radius
+        return float(np.mean(self.middle.notch.neutral_axis)) + self.middle.inner_radius - radius
+
+    @cached_property
+    def cut(self) -> float:
+        """Mean cut length of the middle tube, m."""
+        return float(np.mean(self.middle.cut))
+
+    @cached_property
+    def pitch(self) -> float:
+        """Mean pitch of the middle tube, m."""
+        return float(np.mean(self.middle.pitch))
+
+    @property
+    def closure_curvature(self) -> float:
+        """Curvature at which the first notch's faces touch, 1/m: each bends by cut/(ro + ybar)."""
+        tubes = (self.middle,) if self.outer is None else (self.outer, self.middle)
+        return min(
+            float(np.min(tube.cut / (tube.outer_radius + tube.notch.neutral_axis) / tube.pitch)) for tube in tubes
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class StrokeSolution:
+    """Answer of the joint model; arrays of the broadcast shape of curvature and bending length.
+
+    Attributes:
+        curvature: 1/m. stroke: tendon stroke X1, m. tension: at the actuator, N. tendon_strain: relative.
+        verdict: whether the inverse converged everywhere; the direct problem always does.
+    """
+
+    curvature: FloatArray
+    stroke: FloatArray
+    tension: FloatArray
+    tendon_strain: FloatArray
+    verdict: Verdict
+
+
+def tendon_shortening(joint: Joint, curvature: ArrayLike, bending_length: ArrayLike) -> FloatArray:
+    """Return how far the bend alone pulls the tendon, m: its chord across each cut (P (9), decision on dL_kin).
+
+    Nf [cut - 2 (1/kn - dy) sin(kn cut / 2)] with kn = kappa pitch / cut; kappa X2 dy for small bends.
+    """
+    count = np.asarray(bending_length, dtype=float) / joint.pitch
+    half = np.asarray(curvature, dtype=float) * joint.pitch / 2.0
+    return np.asarray(count * (joint.cut * (1.0 - np.sinc(half / np.pi)) + 2.0 * joint.lever_arm * np.sin(half)))
+
+
+def tension(joint: Joint, curvature: ArrayLike, bending_length: ArrayLike) -> FloatArray:
+    """Return the tension at the actuator, N: e^(mu alpha) eta^(X2/pitch) EI kappa / dy (P (10)-(12))."""
+    per_curvature = _friction_gain(joint, bending_length) * joint.rigidity / joint.lever_arm
+    return np.asarray(per_curvature * np.asarray(curvature, dtype=float))
+
+
+def stroke(joint: Joint, curvature: ArrayLike, bending_length: ArrayLike) -> StrokeSolution:
+    """Return the tendon stroke that bends the segment to ``curvature`` (1/m, >= 0) at ``bending_length`` X2 (m).
+
+    Raises:
+        BadInput: the joint has no tendon, so a stroke has no meaning.
+    """
+    tendon = _tendon(joint)
+    kappa, length = np.broadcast_arrays(np.asarray(curvature, dtype=float), np.asarray(bending_length, dtype=float))
+    force = tension(joint, kappa, length)
+    total = joint.deadband + tendon_shortening(joint, kappa, length) + force / tendon.stiffness
+    strain = force / (tendon.stiffness * tendon.length)
+    return StrokeSolution(kappa, total, force, strain, Verdict(converged=True))
+
+
+def curvature_from_stroke(joint: Joint, stroke_length: ArrayLike, bending_length: ArrayLike) -> StrokeSolution:
+    """Return the curvature that ``stroke_length`` X1 (m) reaches at ``bending_length`` X2 (m); zero within the deadband.
+
+    Newton's method from the small-bend line, which lies below the root because the shortening is concave.
+
+    Raises:
+        BadInput: the joint has no tendon, so a stroke has no meaning.
+    """
+    tendon = _tendon(joint)
+    drive, length = np.broadcast_arrays(np.asarray(stroke_length, dtype=float), np.asarray(bending_length, dtype=float))
+    wanted = np.maximum(drive - joint.deadband, 0.0)
+    stretch = _friction_gain(joint, length) * joint.rigidity / joint.lever_arm / tendon.stiffness
+    kappa = wanted / (stretch + length * joint.lever_arm)
+    count = length / joint.pitch
+    steps, error = 0, np.inf
+    for steps in range(1, _MOST_STEPS + 1):
+        half = kappa * joint.pitch / 2.0
+        slope = stretch + count * joint.pitch * (
+            joint.lever_arm * np.cos(half) - joint.cut / 2.0 * _sinc_slope(half)
+        )
+        excess = tendon_shortening(joint, kappa, length) + stretch * kappa - wanted
+        change = excess / slope
+        kappa = np.maximum(kappa - change, 0.0)
+        error = float(np.max(np.abs(change) / (1.0 + kappa), initial=0.0))
+        if error <= 1e-15 or not np.isfinite(error):
+            break
+    converged = bool(error <= 1e-12)
+    message = "converged" if converged else "the stroke is past what this joint can bend to: give a smaller stroke"
+    force = tension(joint, kappa, length)
+    strain = force / (tendon.stiffness * tendon.length)
+    return StrokeSolution(kappa, drive, force, strain, Verdict(converged, message, steps, error))
+
+
+def tip(curvature: ArrayLike, bending_length: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    """Return the tip (x, y) of a segment of constant curvature, m: sin(k L)/k and (1 - cos(k L))/k, straight included."""
+    kappa, length = np.broadcast_arrays(np.asarray(curvature, dtype=float), np.asarray(bending_length, dtype=float))
+    bend = kappa * length
+    along = length * np.sinc(bend / np.pi)
+    across = length * np.sinc(bend / (2.0 * np.pi)) * np.sin(bend / 2.0)
+    return np.asarray(along), np.asarray(across)
+
+
+def _friction_gain(joint: Joint, bending_length: ArrayLike) -> FloatArray:
+    notches = np.asarray(bending_length, dtype=float) / joint.pitch
+    return np.asarray(np.exp(joint.pulley_friction * joint.wrap_angle) * joint.notch_friction**notches)
+
+
+def _sinc_slope(half: FloatArray) -> FloatArray:
+    """Return d/dz of sin(z)/z, by its series near zero where the closed form cancels."""
+    small = np.abs(half) < 1e-3
+    safe = np.where(small, 1.0, half)
+    return np.where(small, -half / 3.0 + half**3 / 30.0, (safe * np.cos(safe) - np.sin(safe)) / safe**2)
+
+
+def _tendon(joint: Joint) -> Tendon:
+    if joint.tendon is None:
+        raise BadInput("a stroke needs a tendon", key="tendon", allowed="a [tendon] table with radius, modulus and length")
+    return joint.tendon
