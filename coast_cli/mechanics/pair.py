@@ -28,7 +28,8 @@ class PairFigures:
         total_precurvature: integral of |kappa_final| over the overlap, rad.
         signed_precurvature: integral of kappa_final, rad; positive where the outer tube leads.
         ratio_mean, ratio_series: rigidity of the outer over that of the middle tube.
-        total_mean, total_series: sum of both rigidities, N m^2.
+        total_mean, total_series: rigidity of both tubes together over the overlap, N m^2; in series it is the uniform
+            pair that bends as far under one moment, a little more than the sum of the tubes' own series rigidities.
         leading_tube: whose bend the pair follows; snapping was seen where the outer tube leads.
         verdict: of the beam solves beneath.
     """
@@ -46,7 +47,7 @@ class PairFigures:
 def pair_figures(outer: NotchedTube, middle: NotchedTube, gravity: float) -> PairFigures:
     """Return the figures of one pair, each tube sagging by itself (P's assembly); gravity in m/s^2."""
     solved = (solve_beam(outer, gravity), solve_beam(middle, gravity))
-    length, bend = combined_bend((outer, middle), solved)
+    length, rigidity, bend = combined_bend((outer, middle), solved)
     signed = float(bend.sum())
     failed = [solution.verdict for solution in solved if not solution.verdict.converged]
     return PairFigures(
@@ -54,8 +55,8 @@ def pair_figures(outer: NotchedTube, middle: NotchedTube, gravity: float) -> Pai
         signed_precurvature=signed,
         ratio_mean=outer.rigidity_mean / middle.rigidity_mean,
         ratio_series=outer.rigidity_series / middle.rigidity_series,
-        total_mean=outer.rigidity_mean + middle.rigidity_mean,
-        total_series=outer.rigidity_series + middle.rigidity_series,
+        total_mean=float(rigidity @ length / length.sum()),
+        total_series=float(length.sum() / np.sum(length / rigidity)),
         leading_tube="outer" if signed > 0.0 else "middle",
         verdict=failed[0] if failed else Verdict(converged=True),
     )
@@ -63,8 +64,8 @@ def pair_figures(outer: NotchedTube, middle: NotchedTube, gravity: float) -> Pai
 
 def combined_bend(
     tubes: tuple[NotchedTube, NotchedTube], solved: tuple[BeamSolution, BeamSolution]
-) -> tuple[FloatArray, FloatArray]:
-    """Return length (m) and bend (rad) of each common piece of the overlap: (8) integrated exactly piece by piece.
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return length (m), rigidity (N m^2) and bend (rad) of each common piece of the overlap: (8) integrated exactly.
 
     On a piece where both rigidities are constant the integral of (8) is the rigidity-weighted mean of the tubes' own
     changes of angle, so no quadrature is needed.
@@ -80,4 +81,4 @@ def combined_bend(
         rigidity = tube.segments.rigidity[np.minimum(np.searchsorted(end, middle_of), end.size - 1)]
         weighted += rigidity * np.diff(np.interp(breaks, solution.s, solution.angle))
         total += rigidity
-    return np.diff(breaks), weighted / total
+    return np.diff(breaks), total, weighted / total
