@@ -1,0 +1,141 @@
+"""What an effect is: a frozen object that declares its stage, its parameters with ranges and sources, and its null.
+
+Effects act at five stages, always in this order whatever order they are listed in, because they do not commute:
+drive, tendon, transmission, structure, sensor. Each stage has one method, which is the identity unless overridden.
+Parameters carry the user's unit in their name (``width_mm``); the methods convert.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from typing import ClassVar, Literal, Self
+
+import numpy as np
+
+from coast_cli.mechanics.joint import Joint
+from coast_cli.mechanics.section import FloatArray
+
+Stage = Literal["drive", "tendon", "transmission", "structure", "sensor"]
+Kind = Literal["physics", "sensor", "parameter"]
+Need = Literal["stroke", "time", "release", "hold", "rates", "reversals", "pairs"]
+STAGES: tuple[Stage, ...] = ("drive", "tendon", "transmission", "structure", "sensor")
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """One number of an effect.
+
+    Attributes:
+        name: field of the effect, unit in the suffix.
+        null: the value at which the effect vanishes (or any value, where another parameter's null does it).
+        low, high: range outside which the value is not believed.
+        starts: values from which a fit is started, as given or, with ``relative_to``, times that scale of the data.
+        source: where the range comes from.
+        relative_to: "curvature" or "tension" or "duration" (largest in the recording), for starts.
+    """
+
+    name: str
+    null: float
+    low: float
+    high: float
+    starts: tuple[float, ...]
+    source: str
+    relative_to: Literal["", "curvature", "tension", "duration", "stroke", "response"] = ""
+
+
+@dataclass(frozen=True, slots=True)
+class History:
+    """What the drive did in one run, row by row; SI, shape (n,).
+
+    ``stroke`` is None for a tension-driven run; where both are given the stroke drives. ``time`` is None where not recorded.
+    """
+
+    time: FloatArray | None
+    stroke: FloatArray | None
+    tension: FloatArray | None
+    bending_length: FloatArray
+
+    @property
+    def drive(self) -> FloatArray:
+        """Stroke where there is one, else tension."""
+        found = self.tension if self.stroke is None else self.stroke
+        return np.zeros_like(self.bending_length) if found is None else found
+
+
+@dataclass(frozen=True)
+class Effect:
+    """Base of all effects: every stage is the identity."""
+
+    id: ClassVar[str]
+    title: ClassVar[str]
+    component: ClassVar[str]
+    kind: ClassVar[Kind] = "physics"
+    stage: ClassVar[Stage]
+    equation: ClassVar[str]
+    source: ClassVar[str]
+    parameters: ClassVar[tuple[Parameter, ...]]
+    needs: ClassVar[tuple[Need, ...]] = ()
+    decided_by: ClassVar[str]
+
+    @classmethod
+    def null(cls) -> Self:
+        """Return the effect at which nothing changes."""
+        return cls(**{parameter.name: parameter.null for parameter in cls.parameters})
+
+    def values(self) -> tuple[float, ...]:
+        """Return the parameters in declared order."""
+        return tuple(getattr(self, parameter.name) for parameter in self.parameters)
+
+    def with_values(self, values: FloatArray) -> Self:
+        """Return the effect with its parameters replaced, in declared order."""
+        return replace(self, **{p.name: float(v) for p, v in zip(self.parameters, values, strict=True)})
+
+    def joint(self, joint: Joint) -> Joint:
+        """Change the joint itself (section, end effect), before anything else."""
+        return joint
+
+    def drive(self, history: History) -> History:
+        """Change what the drive does before it reaches the tendon."""
+        return history
+
+    def stretch(self, stretch: FloatArray, tension: FloatArray, joint: Joint) -> FloatArray:
+        """Change the tendon's elongation (m) at each tension (N); memoryless and increasing."""
+        return stretch
+
+    def slack(self, tension: FloatArray, history: History, joint: Joint) -> FloatArray:
+        """Return tendon length (m) that the history of tension (N) has added by each row."""
+        return np.zeros_like(tension)
+
+    def friction(self, direction: int, joint: Joint, bending_length: float) -> float:
+        """Return the exponent added to ln(actuator tension / tension at the segment), load (+1) or release (-1)."""
+        return 0.0
+
+    def notch_friction(self) -> float:
+        """Return the friction coefficient by which tension decays with each notch's bend; zero for none."""
+        return 0.0
+
+    def moment(self, moment: FloatArray, curvature: FloatArray, direction: int, segment: Segment) -> FloatArray:
+        """Change the moment (N m) that holds each curvature (1/m), on load (+1) or release (-1)."""
+        return moment
+
+    def stiffness_drift(self, time: FloatArray) -> FloatArray | None:
+        """Return the relative change of stiffness at each time (s), or None for none."""
+        return None
+
+    def sense(self, response: FloatArray, history: History) -> FloatArray:
+        """Change the response, shape (n, k), on its way through the camera; in the recording's SI unit."""
+        return response
+
+
+@dataclass(frozen=True, slots=True)
+class Segment:
+    """The bending segment that a moment law describes: flexural rigidity (N m^2), length X2 (m), weight (kg/m), joint."""
+
+    rigidity: FloatArray | float
+    bending_length: float
+    joint: Joint
+
+
+def parameter_names(effect: type[Effect]) -> tuple[str, ...]:
+    """Return the field names of an effect, in declared order."""
+    return tuple(field.name for field in fields(effect))

@@ -1,0 +1,60 @@
+"""The generalised play: a state that stays where it is until a bound pushes it.
+
+Dry friction, play and snap-through all reduce to it: on a loading branch the state follows the lower bound, on release
+the upper one, and in between it waits (Krasnosel'skii and Pokrovskii, Systems with Hysteresis, 1989, ch. 2).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from coast_cli.mechanics.section import FloatArray
+
+
+def follow(low: FloatArray, high: FloatArray) -> FloatArray:
+    """Return the state s_t = min(max(s_(t-1), low_t), high_t), started on the lower bound.
+
+    Args:
+        low, high: bounds at each row, shape (n,) or (n, m), low <= high.
+    """
+    if low.ndim == 2:
+        return np.stack([follow(low[:, j], high[:, j]) for j in range(low.shape[1])], axis=1)
+    state = float(low[0]) if low.size else 0.0
+    states = []
+    for below, above in zip(low.tolist(), high.tolist(), strict=True):
+        if state < below:
+            state = below
+        if state > above:
+            state = above
+        states.append(state)
+    return np.array(states)
+
+
+def relax(target: FloatArray, time: FloatArray, time_constant: float, start: FloatArray | float) -> FloatArray:
+    """Return y with dy/dt = (target - y)/time_constant, the target linear between rows (exact step).
+
+    Args:
+        target: shape (n,) or (n, m). time: s, shape (n,). time_constant: s. start: value at the first row.
+    """
+    if time_constant <= 0.0:
+        return target
+    step = np.maximum(np.diff(time), 0.0) / time_constant
+    decay = np.exp(-step)
+    tiny = step < 1e-8
+    ramp = np.where(tiny, step / 2.0, 1.0 + np.expm1(-step) / np.where(tiny, 1.0, step))
+    shape = (-1,) + (1,) * (target.ndim - 1)
+    drift = (1.0 - decay - ramp).reshape(shape) * target[:-1] + ramp.reshape(shape) * target[1:]
+    out = np.empty_like(target)
+    if out.shape[0] == 0:
+        return out
+    out[0] = start
+    if target.ndim == 1:
+        value, values = float(out[0]), []
+        for keep, add in zip(decay.tolist(), drift.tolist(), strict=True):
+            value = keep * value + add
+            values.append(value)
+        out[1:] = values
+        return out
+    for row in range(1, out.shape[0]):
+        out[row] = decay[row - 1] * out[row - 1] + drift[row - 1]
+    return out

@@ -1,0 +1,38 @@
+"""Notch closure: the notch's faces touch and the stiffness rises past a curvature."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from coast_cli.effects.effect import Effect, Parameter, Segment
+from coast_cli.effects.knee import past
+from coast_cli.mechanics.section import FloatArray
+
+
+@dataclass(frozen=True)
+class NotchClosure(Effect):
+    """Contact stiffness past a closing curvature."""
+
+    closure_per_m: float = 1000.0
+    added_stiffness: float = 0.0
+    knee_width: float = 0.05
+
+    id = "notch_closure"
+    title = "notch faces touch"
+    component = "notches"
+    stage = "structure"
+    equation = "M = EI (kappa + added_stiffness past(kappa, closure)); theta_n = cut/(ro + ybar) at closure"
+    source = "physics.md, sizes worth knowing: notch faces touch at cut/(ro + ybar)"
+    parameters = (
+        Parameter("closure_per_m", 1000.0, 0.5, 5000.0, (0.35, 0.55, 0.75, 0.9), "geometry: cut/(ro + ybar)/pitch", "curvature"),
+        Parameter("added_stiffness", 0.0, 0.0, 200.0, (2.0, 20.0), "the closed strip is a full ring in compression"),
+        Parameter("knee_width", 0.05, 0.01, 0.4, (0.05,), "relative to the closure; faces close unevenly"),
+    )
+    decided_by = "one loading sweep past the closing angle cut/(ro + ybar) of the notches, with tension recorded"
+
+    def moment(self, moment: FloatArray, curvature: FloatArray, direction: int, segment: Segment) -> FloatArray:
+        """Add the contact's moment."""
+        if self.added_stiffness == 0.0:
+            return moment
+        beyond = past(curvature, self.closure_per_m, self.knee_width * self.closure_per_m)
+        return moment + self.added_stiffness * segment.rigidity * beyond
