@@ -1,0 +1,149 @@
+"""From document to mechanics: SI numbers, arrays with one entry a notch, and signed curvatures."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from coast_cli.errors import BadInput, nearest
+from coast_cli.mechanics.joint import Joint, Tendon
+from coast_cli.mechanics.section import FloatArray
+from coast_cli.mechanics.tube import NotchedTube
+from coast_cli.spec.config import Config
+from coast_cli.spec.tubes import BenchTube, Role, assembly_fault, bench_tubes, pair_names
+from coast_cli.spec.values import nominal
+from coast_cli.units import GIGAPASCAL, MILLIMETRE
+
+
+@dataclass(frozen=True)
+class Design:
+    """The tubes of a configuration, ready for the mechanics.
+
+    Attributes:
+        outer, middle: the tubes in the order of the file; an outer tube's natural curvature is positive (against
+            gravity), a middle tube's negative (along it) for a positive number in the file.
+        gravity: m/s^2.
+        config: the document it was built from.
+    """
+
+    outer: tuple[NotchedTube, ...]
+    middle: tuple[NotchedTube, ...]
+    gravity: float
+    config: Config
+
+    @property
+    def joint_pair(self) -> str | None:
+        """The pair, ``OUTER/MIDDLE`` or one tube, that a command answers for where none is named; None if unclear."""
+        joint = self.config.joint
+        if joint is not None and joint.pair is not None:
+            return joint.pair
+        if len(self.middle) == 1 and len(self.outer) <= 1:
+            return "/".join(tube.name for tube in (*self.outer, *self.middle))
+        return None
+
+    def tube(self, name: str) -> NotchedTube:
+        """Return the tube of that name.
+
+        Raises:
+            BadInput: there is none.
+        """
+        tubes = {tube.name: tube for tube in (*self.outer, *self.middle)}
+        if name not in tubes:
+            known = list(tubes)
+            raise BadInput(
+                "there is no such tube", file=self.config.source or None, found=name, allowed=", ".join(known),
+                hint=nearest(name, known),
+            )  # fmt: skip
+        return tubes[name]
+
+    def fault(self, outer: str | None, middle: str) -> str | None:
+        """Return why a pair cannot be assembled, or None where it can."""
+        bench = {tube.name: tube for role in ("outer", "middle") for tube in bench_tubes(self.config, role)}
+        return assembly_fault(self.config, bench[outer] if outer else None, bench[middle])
+
+
+def build(config: Config) -> Design:
+    """Return the design a configuration describes."""
+    return Design(
+        outer=tuple(build_tube(config, tube) for tube in bench_tubes(config, "outer")),
+        middle=tuple(build_tube(config, tube) for tube in bench_tubes(config, "middle")),
+        gravity=config.environment.gravity_m_per_s2,
+        config=config,
+    )
+
+
+def build_joint(config: Config, outer: str | None, middle: str) -> Joint:
+    """Return the joint of one pair, or of one tube where ``outer`` is None.
+
+    Raises:
+        BadInput: there is no [joint], no such tube, or the pair cannot be assembled.
+    """
+    if config.joint is None:
+        raise config.refuse((), "there is no [joint] table", hint="Run `coast explain joint` for what it holds.")
+    pair_names(config, middle if outer is None else f"{outer}/{middle}")
+    outer_tube = None if outer is None else _named(config, "outer", outer)
+    middle_tube = _named(config, "middle", middle)
+    fault = assembly_fault(config, outer_tube, middle_tube)
+    if fault is not None:
+        raise config.refuse(("joint", "pair"), f"the pair cannot be assembled: {fault}")
+    joint = config.joint
+    return Joint(
+        outer=None if outer_tube is None else build_tube(config, outer_tube),
+        middle=build_tube(config, middle_tube),
+        tendon=build_tendon(config),
+        youngs_modulus=nominal(joint.youngs_modulus_gpa) * GIGAPASCAL,
+        pulley_friction=nominal(joint.pulley_friction),
+        wrap_angle=nominal(joint.wrap_angle_rad),
+        notch_friction=nominal(joint.notch_friction),
+        deadband=nominal(joint.deadband_mm) * MILLIMETRE,
+    )
+
+
+def build_tendon(config: Config) -> Tendon | None:
+    """Return the tendon, or None where the configuration has none."""
+    if config.tendon is None:
+        return None
+    return Tendon(
+        radius=config.tendon.radius_mm * MILLIMETRE,
+        youngs_modulus=nominal(config.tendon.youngs_modulus_gpa) * GIGAPASCAL,
+        length=nominal(config.tendon.length_mm) * MILLIMETRE,
+    )
+
+
+def build_tube(config: Config, tube: BenchTube) -> NotchedTube:
+    """Return one tube in SI units, its natural curvature signed by its role."""
+    material = config.materials[tube.material]
+    depth = np.array(tube.depth_mm) * MILLIMETRE
+    return NotchedTube(
+        name=tube.name,
+        outer_radius=tube.outer_diameter_mm / 2.0 * MILLIMETRE,
+        inner_radius=tube.inner_diameter_mm / 2.0 * MILLIMETRE,
+        depth=depth,
+        cut=np.full(tube.count, tube.cut_mm * MILLIMETRE),
+        uncut=np.full(tube.count, tube.uncut_mm * MILLIMETRE),
+        youngs_modulus=nominal(material.youngs_modulus_gpa) * GIGAPASCAL,
+        density=material.density_kg_per_m3,
+        natural_curvature=(1.0 if tube.role == "outer" else -1.0) * tube.natural_curvature_per_m,
+        section=tube.section,
+        end_length=_end_length(tube),
+    )
+
+
+def _end_length(tube: BenchTube) -> FloatArray | float:
+    if tube.end_effect == "none":
+        return 0.0
+    if tube.end_effect == "table":
+        from coast_cli.mechanics.end_effect import end_length
+
+        return end_length(
+            outer_radius=tube.outer_diameter_mm / 2.0 * MILLIMETRE,
+            inner_radius=tube.inner_diameter_mm / 2.0 * MILLIMETRE,
+            depth=np.array(tube.depth_mm) * MILLIMETRE,
+            uncut=tube.uncut_mm * MILLIMETRE,
+        )
+    return np.array(tube.end_effect) * MILLIMETRE
+
+
+def _named(config: Config, role: Role, name: str) -> BenchTube:
+    return next(tube for tube in bench_tubes(config, role) if tube.name == name)

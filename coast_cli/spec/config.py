@@ -1,0 +1,225 @@
+"""The configuration document: what each table and key of a ``tubes.toml`` means, its unit and its range.
+
+A stock tube (``[outer]``, ``[middle]``) is shared by its samples, and a sample may override any field of it. A joint of
+one notched tube has no ``[outer]``. Tables that a command does not need may be left out.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import pi
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, PrivateAttr
+
+from coast_cli.errors import BadInput
+from coast_cli.spec.positions import Path, Position
+from coast_cli.spec.values import (
+    Allowed,
+    Calibrated,
+    Curvature,
+    Diameter,
+    Document,
+    EndEffect,
+    Length,
+    Modulus,
+    Name,
+    SectionChoice,
+    Within,
+    nominal,
+)
+
+
+class Material(Document):
+    """A tube material."""
+
+    youngs_modulus_gpa: Modulus = Field(description="Young's modulus of the austenite, GPa")
+    density_kg_per_m3: Annotated[float, Within(100.0, 30_000.0)] = Field(description="density, kg/m^3")
+
+
+class Environment(Document):
+    """What surrounds the robot."""
+
+    gravity_m_per_s2: Annotated[float, Within(0.0, 1e6)] = Field(9.81, description="gravity along -y, m/s^2")
+
+
+class Notch(Document):
+    """The notch pattern: one pitch is uncut and then cut, starting with uncut at the clamp."""
+
+    cut_mm: Length | None = Field(None, description="length of a notch along the tube, mm")
+    uncut_mm: Length | None = Field(None, description="length of full ring before each notch, mm")
+    count: Annotated[int, Within(1, 100_000)] | None = Field(None, description="number of notches")
+
+
+class TubeFields(Document):
+    """What describes a notched tube; a sample overrides any of these fields of its stock."""
+
+    material: Name | None = Field(None, description="name of a table under [materials]")
+    outer_diameter_mm: Diameter | None = Field(None, description="outer diameter, mm")
+    inner_diameter_mm: Diameter | None = Field(None, description="inner diameter, mm")
+    notch: Notch | None = Field(None, description="the notch pattern; a sample may override single keys of it")
+    depth_mm: Annotated[float | tuple[float, ...], Within(0.001, 100.0)] | None = Field(
+        None, description="notch depth from the outer surface, mm; a list has one depth for each notch, clamp to tip"
+    )
+    natural_curvature_per_m: Curvature | None = Field(
+        None, description="curvature left by the laser, 1/m: an outer tube bends against gravity, a middle tube along it"
+    )
+    section: SectionChoice | None = Field(None, description="what a notch leaves: radial walls or a straight cut")
+    end_effect: EndEffect | None = Field(
+        None, description="extra cut length by which stress spreads from strip to ring: none, the table, or mm"
+    )
+
+
+class Sample(TubeFields):
+    """One tube on the bench."""
+
+    name: Name = Field(description="its name, used in pairs and recordings")
+
+
+class Stock(TubeFields):
+    """A stock tube and the samples cut from it."""
+
+    samples: tuple[Sample, ...] = Field(strict=False, min_length=1, description="the tubes cut from this stock")
+
+
+class Inner(Document):
+    """The uncut inner tube; its tip is where bending starts."""
+
+    youngs_modulus_gpa: Modulus = Field(description="Young's modulus, GPa")
+    outer_diameter_mm: Diameter = Field(description="outer diameter, mm")
+    inner_diameter_mm: Diameter = Field(description="inner diameter, mm")
+
+
+class TendonFields(Document):
+    """The tendon, anchored on the inner wall of the middle tube."""
+
+    radius_mm: Annotated[float, Within(0.001, 10.0)] = Field(description="radius, mm")
+    youngs_modulus_gpa: Modulus = Field(description="Young's modulus, GPa")
+    length_mm: Annotated[float | Calibrated, Within(0.1, 100_000.0)] = Field(
+        description="length from actuator to tip, undeformed, mm"
+    )
+
+
+class JointFields(Document):
+    """The stroke model of the joint, equations (9)-(12) of the paper."""
+
+    youngs_modulus_gpa: Modulus = Field(description="effective Young's modulus of the bending joint, GPa")
+    pulley_friction: Annotated[float | Calibrated, Within(0.0, 5.0)] = Field(
+        description="friction coefficient mu at the pulleys"
+    )
+    wrap_angle_rad: Annotated[float | Calibrated, Within(0.0, 100.0)] = Field(
+        pi, description="wrap angle alpha of the tendon round the pulleys, rad"
+    )
+    notch_friction: Annotated[float | Calibrated, Within(1.0, 10.0)] = Field(
+        description="ratio eta of tensions across one notch; 1 is no friction"
+    )
+    deadband_mm: Annotated[float | Calibrated, Within(0.0, 100.0)] = Field(
+        0.0, description="stroke spent before the tendon is taut, mm"
+    )
+    pair: Annotated[
+        str | None, Field(min_length=1), Allowed("'OUTER/MIDDLE', or the name of one tube")
+    ] = Field(None, description="the pair a command answers for where none is named: 'OUTER/MIDDLE', or one tube")
+
+
+class RatioLimits(Document):
+    """Bounds of the rigidity ratio, outer over middle."""
+
+    min: Annotated[float, Within(0.0, 1e9)] | None = Field(None, description="smallest ratio that passes")
+    max: Annotated[float, Within(0.0, 1e9)] | None = Field(None, description="largest ratio that passes")
+    rigidity: Annotated[Literal["mean", "series"], Allowed("'mean' or 'series'")] = Field(
+        "mean", description="which rigidity: the mean along the tube (the paper's), or in series (what bends)"
+    )
+
+
+class LimitAtPoint(Document):
+    """A limit that holds where the joint is bent to a curvature over a bending length."""
+
+    value: Annotated[float, Within(0.0, 1e6)] = Field(description="the limit")
+    curvature_per_m: Annotated[float, Within(0.0, 1000.0, above=True)] = Field(description="curvature, 1/m")
+    bending_length_mm: Length = Field(description="bending length X2, mm")
+
+
+class Checks(Document):
+    """What ``coast check`` holds the joint's pair to."""
+
+    max_total_precurvature_rad: Annotated[float, Within(0.0, 1e3)] | None = Field(
+        None, description="largest total pre-curvature of the pair, rad"
+    )
+    rigidity_ratio: RatioLimits | None = Field(None, description="bounds of the rigidity ratio, outer over middle")
+    max_stroke_mm: LimitAtPoint | None = Field(None, description="largest stroke, mm, at a curvature and length")
+    max_tendon_strain: Annotated[float, Within(0.0, 1.0, above=True)] | None = Field(
+        None, description="largest tendon strain, at the curvature and length of max_stroke_mm"
+    )
+
+
+@dataclass(frozen=True)
+class Origin:
+    """The file a configuration was read from and the places of its keys."""
+
+    file: str | None = None
+    positions: dict[Path, Position] = field(default_factory=dict)
+
+    def refuse(
+        self, path: Path, message: str, *, found: object = None, allowed: str | None = None, hint: str | None = None
+    ) -> BadInput:
+        """Return the error that says what is wrong at a key, placed at the key or at its nearest table."""
+        place: Position | tuple[None, None] = (None, None)
+        for end in range(len(path), 0, -1):
+            if path[:end] in self.positions:
+                place = self.positions[path[:end]]
+                break
+        return BadInput(
+            message, file=self.file, line=place[0], column=place[1], key=dotted(path), found=found, allowed=allowed,
+            hint=hint,
+        )  # fmt: skip
+
+
+class Config(Document):
+    """A whole configuration file."""
+
+    version: Annotated[Literal[1], Allowed("1")] = Field(1, description="version of this format")
+    materials: dict[Name, Material] = Field(min_length=1, description="tube materials by name")
+    environment: Environment = Field(default_factory=Environment, description="what surrounds the robot")
+    outer: Stock | None = Field(None, description="outer tubes; left out for a joint of one notched tube")
+    middle: Stock | None = Field(None, description="middle tubes")
+    inner: Inner | None = Field(None, description="the uncut inner tube")
+    tendon: TendonFields | None = Field(None, description="the tendon; left out where tension is the drive")
+    joint: JointFields | None = Field(None, description="the stroke model of the joint")
+    checks: Checks | None = Field(None, description="limits that `coast check` holds the pair to")
+    corrections: dict[str, dict[str, float]] = Field(
+        default_factory=dict, description="effects that a diagnosis found, by id, with their fitted parameters"
+    )
+
+    _origin: Origin = PrivateAttr(default_factory=Origin)
+
+    @property
+    def source(self) -> str:
+        """The file the configuration was read from, or an empty string."""
+        return self._origin.file or ""
+
+    def refuse(self, path: Path, message: str, **facts: Any) -> BadInput:  # noqa: ANN401
+        """Return the error that says what is wrong at a key; see ``Origin.refuse``."""
+        return self._origin.refuse(path, message, **facts)
+
+    def bounds(self, key: str) -> tuple[float, float, float]:
+        """Return (value, min, max) of a number by its dotted key, e.g. ``joint.youngs_modulus_gpa``.
+
+        A plain number may move in the whole range of its field.
+        """
+        *tables, last = key.split(".")
+        document: Any = self
+        for name in tables:
+            document = document[name] if isinstance(document, dict) else getattr(document, name)
+        number = getattr(document, last)
+        if isinstance(number, Calibrated):
+            return number.value, number.min, number.max
+        limits = next(item for item in type(document).model_fields[last].metadata if isinstance(item, Within))
+        return nominal(number), limits.low, limits.high
+
+
+def dotted(path: Path) -> str:
+    """Return a path as a reader would write it, e.g. ``outer.samples[0].name``."""
+    text = ""
+    for part in path:
+        text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else part
+    return text

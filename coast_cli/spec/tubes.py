@@ -1,0 +1,238 @@
+"""Samples merged with their stock, and the geometry every configuration must have: notches, walls, nesting, fits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from coast_cli.errors import BadInput, nearest
+from coast_cli.spec.config import Config, Notch, RatioLimits, Sample, Stock
+from coast_cli.spec.positions import Path
+
+Role = Literal["outer", "middle"]
+
+
+@dataclass(frozen=True)
+class BenchTube:
+    """One sample with every field it takes from its stock: lengths in mm, one depth, cut and uncut for each notch."""
+
+    role: Role
+    name: str
+    material: str
+    outer_diameter_mm: float
+    inner_diameter_mm: float
+    cut_mm: float
+    uncut_mm: float
+    count: int
+    depth_mm: tuple[float, ...]
+    natural_curvature_per_m: float
+    section: Literal["sector", "chord"]
+    end_effect: Literal["none", "table"] | tuple[float, ...]
+
+
+def bench_tubes(config: Config, role: Role) -> tuple[BenchTube, ...]:
+    """Return the samples of a stock, each merged with it and checked; empty where the config has no such stock."""
+    stock: Stock | None = getattr(config, role)
+    if stock is None:
+        return ()
+    return tuple(_Merge(config, role, stock, index, sample).tube() for index, sample in enumerate(stock.samples))
+
+
+def check_design(config: Config) -> None:
+    """Check what one table cannot see of another.
+
+    Raises:
+        BadInput: placed at the offending key.
+    """
+    if config.outer is None and config.middle is None:
+        raise config.refuse((), "there is no tube", allowed="an [outer] table, a [middle] table or both")
+    _check_names(config)
+    tubes = {role: bench_tubes(config, role) for role in ("outer", "middle")}
+    _check_fits(config)
+    if tubes["outer"] and tubes["middle"]:
+        reasons = [assembly_fault(config, outer, middle) for outer in tubes["outer"] for middle in tubes["middle"]]
+        if all(reasons):
+            raise config.refuse(("middle", "outer_diameter_mm"), f"no pair can be assembled: {reasons[0]}")
+    if config.joint is not None and config.joint.pair is not None:
+        pair_names(config, config.joint.pair)
+    _check_limits(config)
+    _check_corrections(config)
+
+
+def assembly_fault(config: Config, outer: BenchTube | None, middle: BenchTube) -> str | None:
+    """Return why a pair cannot be put together, or None where it can."""
+    if outer is not None and middle.outer_diameter_mm >= outer.inner_diameter_mm:
+        return (
+            f"{middle.name} ({middle.outer_diameter_mm:g} mm outside) does not go into "
+            f"{outer.name} ({outer.inner_diameter_mm:g} mm inside)"
+        )
+    if config.inner is not None and config.inner.outer_diameter_mm >= middle.inner_diameter_mm:
+        return (
+            f"the inner tube ({config.inner.outer_diameter_mm:g} mm outside) does not go into "
+            f"{middle.name} ({middle.inner_diameter_mm:g} mm inside)"
+        )
+    return None
+
+
+def pair_names(config: Config, pair: str, *, path: Path = ("joint", "pair")) -> tuple[str | None, str]:
+    """Return (outer or None, middle) of a pair written ``OUTER/MIDDLE``, or of one tube written alone.
+
+    Raises:
+        BadInput: a name that the configuration does not have.
+    """
+    parts = pair.split("/")
+    roles: tuple[Role, ...] = ("middle",) if len(parts) == 1 else ("outer", "middle")
+    if len(parts) > len(roles):
+        raise config.refuse(path, "more than two tubes", found=pair, allowed="'OUTER/MIDDLE', or one middle tube")
+    for name, role in zip(parts, roles, strict=True):
+        stock: Stock | None = getattr(config, role)
+        names = [sample.name for sample in stock.samples] if stock else []
+        if name not in names:
+            allowed = ", ".join(names) if names else f"none, since there is no [{role}]"
+            raise config.refuse(
+                path, f"there is no {role} tube of that name", found=name, allowed=allowed, hint=nearest(name, names)
+            )
+    return (None, parts[0]) if len(parts) == 1 else (parts[0], parts[1])
+
+
+@dataclass(frozen=True)
+class _Merge:
+    """One sample on its way to a ``BenchTube``; knows where each of its fields was written."""
+
+    config: Config
+    role: Role
+    stock: Stock
+    index: int
+    sample: Sample
+
+    def tube(self) -> BenchTube:
+        count = self._notch("count")
+        tube = BenchTube(
+            role=self.role,
+            name=self.sample.name,
+            material=self._material(),
+            outer_diameter_mm=self._required("outer_diameter_mm"),
+            inner_diameter_mm=self._required("inner_diameter_mm"),
+            cut_mm=self._notch("cut_mm"),
+            uncut_mm=self._notch("uncut_mm"),
+            count=count,
+            depth_mm=self._each_notch("depth_mm", self._required("depth_mm"), count),
+            natural_curvature_per_m=self._value("natural_curvature_per_m") or 0.0,
+            section=self._value("section") or "sector",
+            end_effect=self._end_effect(count),
+        )
+        self._check(tube)
+        return tube
+
+    def _check(self, tube: BenchTube) -> None:
+        outer, inner = tube.outer_diameter_mm, tube.inner_diameter_mm
+        if inner >= outer:
+            raise self._refuse("inner_diameter_mm", "no wall is left", inner, f"below the outer diameter, {outer:g}")
+        for depth in tube.depth_mm:
+            if not outer / 2.0 <= depth < outer:
+                allowed = f"from the outer radius, {outer / 2.0:g}, to below the outer diameter, {outer:g}"
+                raise self._refuse("depth_mm", f"the notch of {tube.name} is not one that bends", depth, allowed)
+
+    def _material(self) -> str:
+        name: str = self._required("material")
+        known = list(self.config.materials)
+        if name not in known:
+            raise self._refuse("material", "there is no such material", name, ", ".join(known), nearest(name, known))
+        return name
+
+    def _end_effect(self, count: int) -> Literal["none", "table"] | tuple[float, ...]:
+        choice = self._value("end_effect")
+        if choice in {None, "none", "table"}:
+            return choice or "none"
+        return self._each_notch("end_effect", choice, count)
+
+    def _each_notch(self, field: str, value: float | tuple[float, ...], count: int) -> tuple[float, ...]:
+        if not isinstance(value, tuple):
+            return (value,) * count
+        if len(value) != count:
+            found = f"{len(value)} values"
+            raise self._refuse(field, "a list has one value for each notch", found, f"{count} values, clamp to tip")
+        return value
+
+    def _notch(self, key: str) -> Any:  # noqa: ANN401
+        own, shared = self.sample.notch or Notch(), self.stock.notch or Notch()
+        value = getattr(own, key) if getattr(own, key) is not None else getattr(shared, key)
+        return value if value is not None else self._raise_missing(f"notch.{key}")
+
+    def _value(self, field: str) -> Any:  # noqa: ANN401
+        own = getattr(self.sample, field)
+        return own if own is not None else getattr(self.stock, field)
+
+    def _required(self, field: str) -> Any:  # noqa: ANN401
+        value = self._value(field)
+        return value if value is not None else self._raise_missing(field)
+
+    def _raise_missing(self, field: str) -> None:
+        path = (self.role, "samples", self.index, *field.split("."))
+        allowed = f"a value in this sample or in [{self.role}]"
+        raise self.config.refuse(path, f"{self.sample.name} has no {field}", allowed=allowed)
+
+    def _refuse(self, field: str, message: str, found: object, allowed: str, hint: str = "") -> BadInput:
+        own = getattr(self.sample, field) is not None
+        path: Path = (self.role, "samples", self.index, field) if own else (self.role, field)
+        return self.config.refuse(path, message, found=found, allowed=allowed, hint=hint or None)
+
+
+def _check_names(config: Config) -> None:
+    seen: dict[str, str] = {}
+    for role in ("outer", "middle"):
+        stock: Stock | None = getattr(config, role)
+        for index, sample in enumerate(stock.samples if stock else ()):
+            path: Path = (role, "samples", index, "name")
+            if sample.name in seen:
+                message = f"two tubes have this name, the other is in [{seen[sample.name]}]"
+                raise config.refuse(path, message, found=sample.name, allowed="a name of its own")
+            seen[sample.name] = role
+
+
+def _check_fits(config: Config) -> None:
+    if config.inner is not None and config.inner.inner_diameter_mm >= config.inner.outer_diameter_mm:
+        found, outer = config.inner.inner_diameter_mm, config.inner.outer_diameter_mm
+        allowed = f"below the outer diameter, {outer:g}"
+        raise config.refuse(("inner", "inner_diameter_mm"), "no wall is left", found=found, allowed=allowed)
+    if config.tendon is None:
+        return
+    bores = {"inner tube": config.inner.inner_diameter_mm} if config.inner else {}
+    bores |= {tube.name: tube.inner_diameter_mm for tube in bench_tubes(config, "middle")}
+    for name, bore in bores.items():
+        if 2.0 * config.tendon.radius_mm >= bore:
+            message = f"the tendon does not go into the bore of {name}"
+            allowed = f"below half of it, {bore / 2.0:g}"
+            raise config.refuse(("tendon", "radius_mm"), message, found=config.tendon.radius_mm, allowed=allowed)
+
+
+def _check_limits(config: Config) -> None:
+    if config.checks is None:
+        return
+    ratio: RatioLimits | None = config.checks.rigidity_ratio
+    if ratio is not None:
+        if ratio.min is None and ratio.max is None:
+            raise config.refuse(("checks", "rigidity_ratio"), "no limit is given", allowed="min, max or both")
+        if ratio.min is not None and ratio.max is not None and ratio.min > ratio.max:
+            path = ("checks", "rigidity_ratio", "min")
+            raise config.refuse(path, "min is above max", found=ratio.min, allowed=f"at most {ratio.max:g}")
+    if config.checks.max_tendon_strain is not None and config.checks.max_stroke_mm is None:
+        message = "the strain is taken at the point of max_stroke_mm, which is not given"
+        raise config.refuse(("checks", "max_tendon_strain"), message)
+
+
+def _check_corrections(config: Config) -> None:
+    if not config.corrections:
+        return
+    from coast_cli.effects.catalogue import CATALOGUE
+
+    for effect, parameters in config.corrections.items():
+        path: Path = ("corrections", effect)
+        if effect not in CATALOGUE:
+            known = list(CATALOGUE)
+            raise config.refuse(path, "there is no such effect", allowed=", ".join(known), hint=nearest(effect, known))
+        known = [parameter.name for parameter in CATALOGUE[effect].parameters]
+        for name in parameters:
+            if name not in known:
+                allowed, hint = ", ".join(known), nearest(name, known)
+                raise config.refuse((*path, name), "there is no such parameter", allowed=allowed, hint=hint)
