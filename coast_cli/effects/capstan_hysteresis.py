@@ -32,6 +32,7 @@ class CapstanHysteresis(Effect):
         Parameter("notch_friction_exponent", 0.0, 0.0, 0.03, (0.0,), "ln eta a notch: eta 1 to 1.03"),
     )
     needs = ("release",)
+    reverses = True
     decided_by = "release sweeps from two strokes, small and large, with tension recorded: this loop widens with tension"
 
     def friction(self, direction: int, joint: Joint, bending_length: float) -> float:

@@ -24,6 +24,7 @@ class CoulombFriction(Effect):
         Parameter("holds_per_m", 0.0, 0.0, 30.0, (0.01, 0.04, 0.12), "a part of the curvature reached", "curvature"),
     )
     needs = ("release",)
+    reverses = True
     decided_by = "release sweeps from two strokes, small and large, with tension recorded: this loop keeps its width"
 
     def moment(self, moment: FloatArray, curvature: FloatArray, direction: int, segment: Segment) -> FloatArray:

@@ -11,17 +11,18 @@ from coast_cli.effects.effect import Effect, Parameter
 class DistributedNotchFriction(Effect):
     """Capstan friction at each notch edge, by the angle that the notch has bent."""
 
-    friction: float = 0.0
+    coefficient: float = 0.0
 
     id = "distributed_notch_friction"
     title = "friction at the notches grows with their bend"
     component = "notches"
     stage = "transmission"
-    equation = "F_(i+1) = F_i exp(-+ friction theta_i), minus on load, plus on release"
+    equation = "F_(i+1) = F_i exp(-+ coefficient theta_i), minus on load, plus on release"
     source = "physics.md, sizes worth knowing: a constant eta is right at one curvature only; mu 0.1 to 0.4"
-    parameters = (Parameter("friction", 0.0, 0.0, 1.5, (0.05, 0.2, 0.5), "tendon in notched nitinol 0.1 to 0.4"),)
+    parameters = (Parameter("coefficient", 0.0, 0.0, 1.5, (0.05, 0.2, 0.5), "tendon in notched nitinol 0.1 to 0.4"),)
+    reverses = True
     decided_by = "bend notch by notch (or photographs) along the segment while loading and releasing"
 
     def notch_friction(self) -> float:
         """Return the friction coefficient at the notch edges."""
-        return self.friction
+        return self.coefficient

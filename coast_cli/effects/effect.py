@@ -7,7 +7,7 @@ Parameters carry the user's unit in their name (``width_mm``); the methods conve
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import ClassVar, Literal, Self
 
 import numpy as np
@@ -18,6 +18,7 @@ from coast_cli.mechanics.section import FloatArray
 Stage = Literal["drive", "tendon", "transmission", "structure", "sensor"]
 Kind = Literal["physics", "sensor", "parameter"]
 Need = Literal["stroke", "time", "release", "hold", "rates", "reversals", "pairs"]
+Scale = Literal["", "curvature", "strain", "closure", "tension", "duration", "response"]
 STAGES: tuple[Stage, ...] = ("drive", "tendon", "transmission", "structure", "sensor")
 
 
@@ -31,7 +32,7 @@ class Parameter:
         low, high: range outside which the value is not believed.
         starts: values from which a fit is started, as given or, with ``relative_to``, times that scale of the data.
         source: where the range comes from.
-        relative_to: "curvature" or "tension" or "duration" (largest in the recording), for starts.
+        relative_to: the largest of this in the recording is what ``starts`` are multiples of; empty for absolute.
     """
 
     name: str
@@ -40,20 +41,22 @@ class Parameter:
     high: float
     starts: tuple[float, ...]
     source: str
-    relative_to: Literal["", "curvature", "tension", "duration", "stroke", "response"] = ""
+    relative_to: Scale = ""
 
 
 @dataclass(frozen=True, slots=True)
 class History:
     """What the drive did in one run, row by row; SI, shape (n,).
 
-    ``stroke`` is None for a tension-driven run; where both are given the stroke drives. ``time`` is None where not recorded.
+    ``stroke`` is None for a tension-driven run; where both are given the stroke drives. ``time`` is None where not
+    recorded. ``earlier_tension`` is the largest tension (N) that earlier runs of the recording reached.
     """
 
     time: FloatArray | None
     stroke: FloatArray | None
     tension: FloatArray | None
     bending_length: FloatArray
+    earlier_tension: float = 0.0
 
     @property
     def drive(self) -> FloatArray:
@@ -64,7 +67,11 @@ class History:
 
 @dataclass(frozen=True)
 class Effect:
-    """Base of all effects: every stage is the identity."""
+    """Base of all effects: every stage is the identity.
+
+    ``reverses`` says that load and release follow different branches; ``needs`` what a recording must hold for the
+    effect to show at all; ``decided_by`` the recording that tells it from its look-alikes.
+    """
 
     id: ClassVar[str]
     title: ClassVar[str]
@@ -75,6 +82,7 @@ class Effect:
     source: ClassVar[str]
     parameters: ClassVar[tuple[Parameter, ...]]
     needs: ClassVar[tuple[Need, ...]] = ()
+    reverses: ClassVar[bool] = False
     decided_by: ClassVar[str]
 
     @classmethod
@@ -129,13 +137,16 @@ class Effect:
 
 @dataclass(frozen=True, slots=True)
 class Segment:
-    """The bending segment that a moment law describes: flexural rigidity (N m^2), length X2 (m), weight (kg/m), joint."""
+    """The bending segment that a moment law describes, at m stations (one where all notches are alike).
 
-    rigidity: FloatArray | float
+    Attributes:
+        rigidity: flexural rigidity, N m^2, shape (m, 1). bending_length: X2, m. joint: the tubes.
+        strain_per_curvature: strain of the strip's outer fibre for one 1/m of segment curvature, m, shape (m, 1).
+        closing_curvature: curvature at which the faces of a notch touch by geometry, 1/m, shape (m, 1).
+    """
+
+    rigidity: FloatArray
     bending_length: float
     joint: Joint
-
-
-def parameter_names(effect: type[Effect]) -> tuple[str, ...]:
-    """Return the field names of an effect, in declared order."""
-    return tuple(field.name for field in fields(effect))
+    strain_per_curvature: FloatArray
+    closing_curvature: FloatArray

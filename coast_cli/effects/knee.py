@@ -7,8 +7,6 @@ import numpy as np
 from coast_cli.mechanics.section import FloatArray
 
 
-def past(value: FloatArray, knee: float, width: float) -> FloatArray:
-    """Return width * ln(1 + exp((value - knee)/width)), which is max(value - knee, 0) for a narrow width."""
-    if width <= 0.0:
-        return np.maximum(value - knee, 0.0)
+def past(value: FloatArray, knee: FloatArray | float, width: FloatArray | float) -> FloatArray:
+    """Return width * ln(1 + exp((value - knee)/width)), width > 0, which is max(value - knee, 0) for a narrow one."""
     return width * np.logaddexp(0.0, (value - knee) / width)

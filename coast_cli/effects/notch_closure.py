@@ -13,7 +13,7 @@ from coast_cli.mechanics.section import FloatArray
 class NotchClosure(Effect):
     """Contact stiffness past a closing curvature."""
 
-    closure_per_m: float = 1000.0
+    closure_ratio: float = 1.0
     added_stiffness: float = 0.0
     knee_width: float = 0.05
 
@@ -21,10 +21,10 @@ class NotchClosure(Effect):
     title = "notch faces touch"
     component = "notches"
     stage = "structure"
-    equation = "M = EI (kappa + added_stiffness past(kappa, closure)); theta_n = cut/(ro + ybar) at closure"
+    equation = "M = EI (kappa + added_stiffness past(kappa, closure_ratio kappa_n)), kappa_n pitch = cut/(ro + ybar)"
     source = "physics.md, sizes worth knowing: notch faces touch at cut/(ro + ybar)"
     parameters = (
-        Parameter("closure_per_m", 1000.0, 0.5, 5000.0, (0.35, 0.55, 0.75, 0.9), "geometry: cut/(ro + ybar)/pitch", "curvature"),
+        Parameter("closure_ratio", 1.0, 1e-4, 3.0, (0.35, 0.55, 0.75, 0.9), "1 by geometry; burrs close early", "closure"),
         Parameter("added_stiffness", 0.0, 0.0, 200.0, (2.0, 20.0), "the closed strip is a full ring in compression"),
         Parameter("knee_width", 0.05, 0.01, 0.4, (0.05,), "relative to the closure; faces close unevenly"),
     )
@@ -34,5 +34,6 @@ class NotchClosure(Effect):
         """Add the contact's moment."""
         if self.added_stiffness == 0.0:
             return moment
-        beyond = past(curvature, self.closure_per_m, self.knee_width * self.closure_per_m)
+        closure = self.closure_ratio * segment.closing_curvature
+        beyond = past(curvature, closure, self.knee_width * closure)
         return moment + self.added_stiffness * segment.rigidity * beyond

@@ -29,6 +29,7 @@ class SnapThrough(Effect):
         Parameter("drop", 0.0, 0.0, 1.2, (0.15, 0.4), "share of the moment that is let go"),
         Parameter("width", 0.08, 0.005, 0.5, (0.05,), "sharpness relative to the curvature"),
     )
+    reverses = True
     decided_by = "slow loading and release through the jump, in steps of at most 0.02 mm"
 
     def moment(self, moment: FloatArray, curvature: FloatArray, direction: int, segment: Segment) -> FloatArray:

@@ -18,6 +18,7 @@ class TendonPermanentSet(Effect):
 
     slack_mm_per_n: float = 0.0
     threshold_n: float = 0.0
+    carried: float = 1.0
 
     id = "tendon_permanent_set"
     title = "tendon keeps a set"
@@ -28,6 +29,7 @@ class TendonPermanentSet(Effect):
     parameters = (
         Parameter("slack_mm_per_n", 0.0, 0.0, 3.0, (0.1,), "up to a per cent of a 0.4 m wire"),
         Parameter("threshold_n", 0.0, 0.0, 20.0, (0.0, 0.4, 0.7), "below the plateau nothing is left", "tension"),
+        Parameter("carried", 1.0, 0.0, 1.0, (1.0, 0.0), "share that is still there in later runs; 0 where re-zeroed"),
     )
     needs = ("stroke", "release")
     decided_by = "two cycles to the same stroke and one larger, each returning to zero, with tension recorded"
@@ -36,5 +38,5 @@ class TendonPermanentSet(Effect):
         """Return the slack left by the largest tension so far."""
         if self.slack_mm_per_n == 0.0 or tension.size == 0:
             return 0.0 * tension
-        largest = np.maximum.accumulate(tension)
+        largest = np.maximum(np.maximum.accumulate(tension), self.carried * history.earlier_tension)
         return self.slack_mm_per_n * MILLIMETRE * np.maximum(largest - self.threshold_n, 0.0)

@@ -13,7 +13,7 @@ from coast_cli.mechanics.section import FloatArray
 class TubeSuperelasticity(Effect):
     """Softening of the bending law past a knee."""
 
-    knee_per_m: float = 1000.0
+    knee_strain: float = 1.0
     stiffness_lost: float = 0.0
     knee_width: float = 0.1
 
@@ -21,10 +21,10 @@ class TubeSuperelasticity(Effect):
     title = "notched tube on its stress plateau"
     component = "tubes"
     stage = "structure"
-    equation = "M = EI (kappa - stiffness_lost past(kappa, knee))"
+    equation = "M = EI (kappa - stiffness_lost past(kappa, knee)), knee where the strip's fibre reaches knee_strain"
     source = "plateau 360 to 650 MPa, slope 3 to 10 % of E (physics.md, sizes worth knowing)"
     parameters = (
-        Parameter("knee_per_m", 1000.0, 0.5, 5000.0, (0.25, 0.45, 0.65, 0.85), "plateau strain over strip height", "curvature"),
+        Parameter("knee_strain", 1.0, 1e-5, 1.0, (0.25, 0.45, 0.65, 0.85), "plateau stress over E: 0.5 to 1.6 %", "strain"),
         Parameter("stiffness_lost", 0.0, 0.0, 0.98, (0.5,), "plateau slope 3 to 10 % of E"),
         Parameter("knee_width", 0.1, 0.02, 0.6, (0.15,), "relative to the knee; the strip yields from its edge"),
     )
@@ -34,5 +34,6 @@ class TubeSuperelasticity(Effect):
         """Take off what the plateau no longer carries."""
         if self.stiffness_lost == 0.0:
             return moment
-        beyond = past(curvature, self.knee_per_m, self.knee_width * self.knee_per_m)
+        knee = self.knee_strain / segment.strain_per_curvature
+        beyond = past(curvature, knee, self.knee_width * knee)
         return moment - self.stiffness_lost * segment.rigidity * beyond

@@ -1,0 +1,93 @@
+"""The catalogue: every effect that a joint can have, by its id, in the order in which effects act."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from coast_cli.effects.backlash import Backlash
+from coast_cli.effects.bending_length_offset import BendingLengthOffset
+from coast_cli.effects.camera_offset import CameraOffset
+from coast_cli.effects.camera_scale import CameraScale
+from coast_cli.effects.capstan_hysteresis import CapstanHysteresis
+from coast_cli.effects.chord_section import ChordSection
+from coast_cli.effects.coulomb_friction import CoulombFriction
+from coast_cli.effects.distributed_notch_friction import DistributedNotchFriction
+from coast_cli.effects.effect import Effect
+from coast_cli.effects.gravity import Gravity
+from coast_cli.effects.leadscrew_pitch_error import LeadscrewPitchError
+from coast_cli.effects.notch_closure import NotchClosure
+from coast_cli.effects.notch_end_effect import NotchEndEffect
+from coast_cli.effects.precurvature import Precurvature
+from coast_cli.effects.sensor_lag import SensorLag
+from coast_cli.effects.snap_through import SnapThrough
+from coast_cli.effects.tendon_creep import TendonCreep
+from coast_cli.effects.tendon_permanent_set import TendonPermanentSet
+from coast_cli.effects.tendon_superelasticity import TendonSuperelasticity
+from coast_cli.effects.thermal_drift import ThermalDrift
+from coast_cli.effects.tip_load import TipLoad
+from coast_cli.effects.tube_superelasticity import TubeSuperelasticity
+from coast_cli.errors import BadInput, nearest
+
+# Listed in the order in which they act; a lag comes before the camera's scale and offset.
+CATALOGUE: dict[str, type[Effect]] = {
+    effect.id: effect
+    for effect in (
+        LeadscrewPitchError,
+        Backlash,
+        BendingLengthOffset,
+        TendonSuperelasticity,
+        TendonCreep,
+        TendonPermanentSet,
+        CapstanHysteresis,
+        DistributedNotchFriction,
+        ChordSection,
+        NotchEndEffect,
+        Precurvature,
+        TipLoad,
+        Gravity,
+        TubeSuperelasticity,
+        NotchClosure,
+        SnapThrough,
+        CoulombFriction,
+        ThermalDrift,
+        SensorLag,
+        CameraScale,
+        CameraOffset,
+    )
+}
+
+
+def in_order(effects: Iterable[Effect]) -> tuple[Effect, ...]:
+    """Return effects in the order in which they act, whatever order they are listed in."""
+    rank = {identifier: place for place, identifier in enumerate(CATALOGUE)}
+    return tuple(sorted(effects, key=lambda effect: rank[effect.id]))
+
+
+def build_effects(corrections: Mapping[str, Mapping[str, float]]) -> tuple[Effect, ...]:
+    """Return the effects of a ``[corrections]`` table: effect id -> parameter -> value.
+
+    Raises:
+        BadInput: an effect or a parameter is unknown, or a value lies outside its range.
+    """
+    effects = []
+    for identifier, values in corrections.items():
+        effect = CATALOGUE.get(identifier)
+        if effect is None:
+            raise BadInput(
+                "unknown effect", key=f"corrections.{identifier}", found=identifier, hint=nearest(identifier, CATALOGUE)
+            )
+        known = {parameter.name: parameter for parameter in effect.parameters}
+        for name, value in values.items():
+            if name not in known:
+                raise BadInput(
+                    "unknown parameter", key=f"corrections.{identifier}.{name}", found=name, hint=nearest(name, known)
+                )
+            if not known[name].low <= value <= known[name].high:
+                raise BadInput(
+                    "out of range",
+                    key=f"corrections.{identifier}.{name}",
+                    found=value,
+                    allowed=f"{known[name].low:g} to {known[name].high:g}",
+                )
+        effects.append(effect(**dict(values)))
+    return in_order(effects)

@@ -1,0 +1,267 @@
+"""The forward model: what the segment does when the drive has a history, with any set of effects.
+
+Every monotone branch has a closed form once it is tabulated against the segment's own bend: moment, tension, tendon
+path. Load and release each give one table; between them the state waits (``memory.follow``), which covers friction,
+play and snap-through alike. Tendon memory (creep, set) shortens the effective stroke and is iterated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from coast_cli.effects.catalogue import in_order
+from coast_cli.effects.effect import Effect, History
+from coast_cli.effects.memory import follow
+from coast_cli.effects.stations import Stations, branch, stations_for
+from coast_cli.mechanics.joint import Joint
+from coast_cli.mechanics.section import FloatArray
+
+ResponseKind = Literal["curvature", "bend", "notch"]
+
+# Distinct bending lengths tabulated one by one; a run that slides X2 continuously is interpolated between this many.
+_MOST_LENGTHS = 9
+_SLACK_SWEEPS = 12
+_SLACK_TOLERANCE = 1e-8  # m, far under any screw's step
+
+
+@dataclass(frozen=True, slots=True)
+class Prediction:
+    """What the model expects to be recorded: ``response`` (n, k) in SI, ``tension`` (n,) in N at the actuator."""
+
+    response: FloatArray
+    tension: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """What is observed: the kind of response, and of how many notches where it is notch by notch."""
+
+    kind: ResponseKind
+    columns: int = 1
+    curvature_limit: float = 100.0
+
+
+def predict(joint: Joint, effects: Sequence[Effect], runs: Sequence[History], layout: Layout) -> list[Prediction]:
+    """Return the prediction of every run, in order; what a run leaves behind is carried to the next.
+
+    Args:
+        joint: with its base parameters. effects: any set, in any order. runs: drive histories, SI.
+        layout: what is observed, and the largest curvature (1/m) that tables must reach.
+    """
+    ordered = in_order(effects)
+    for effect in ordered:
+        joint = effect.joint(joint)
+    cache: dict[tuple[float, float], _Tables] = {}
+    predictions = []
+    earlier = 0.0
+    for run in runs:
+        prediction = _predict_run(joint, ordered, replace(run, earlier_tension=earlier), layout, cache)
+        earlier = max(earlier, float(np.max(prediction.tension, initial=0.0)))
+        predictions.append(prediction)
+    return predictions
+
+
+@dataclass(frozen=True, slots=True)
+class _Tables:
+    """Load and release branch at one bending length: drive, curvature of each station, tendon shortening."""
+
+    stations: Stations
+    load_drive: FloatArray
+    load_curvature: FloatArray
+    release_drive: FloatArray
+    release_curvature: FloatArray
+
+
+def _predict_run(
+    joint: Joint,
+    effects: Sequence[Effect],
+    commanded: History,
+    layout: Layout,
+    cache: dict[tuple[float, float], _Tables],
+) -> Prediction:
+    history = commanded
+    for effect in effects:
+        history = effect.drive(history)
+    low, high, stations = _bounds(joint, effects, history, history.drive, layout, cache)
+    if history.stroke is None:
+        curvature = _state(low, high)
+        tension = history.drive
+    else:
+        curvature, tension = _with_slack(joint, effects, history, layout, cache, low, high, stations)
+    response = _observe(curvature, stations, history.bending_length, layout)
+    for effect in effects:
+        response = effect.sense(response, commanded)
+    return Prediction(response, tension)
+
+
+def _with_slack(
+    joint: Joint,
+    effects: Sequence[Effect],
+    history: History,
+    layout: Layout,
+    cache: dict[tuple[float, float], _Tables],
+    low: FloatArray,
+    high: FloatArray,
+    stations: Stations,
+) -> tuple[FloatArray, FloatArray]:
+    """Return curvature and tension of a stroke-driven run; tendon memory takes from the stroke until both agree."""
+    stroke = history.drive
+    with_memory = [effect for effect in effects if type(effect).slack is not Effect.slack]
+    slack = np.zeros_like(stroke)
+    for _ in range(_SLACK_SWEEPS):
+        curvature = _state(low, high)
+        tension = _tension(joint, effects, stroke - slack, curvature, stations, history.bending_length)
+        if not with_memory:
+            break
+        wanted = sum((effect.slack(tension, history, joint) for effect in with_memory), np.zeros_like(stroke))
+        change = float(np.max(np.abs(wanted - slack), initial=0.0))
+        slack = wanted
+        if change < _SLACK_TOLERANCE:
+            break
+        low, high, stations = _bounds(joint, effects, history, stroke - slack, layout, cache)
+    return curvature, tension
+
+
+def _state(low: FloatArray, high: FloatArray | None) -> FloatArray:
+    """Return the curvature of each station; without a release branch of its own there is nothing to wait for."""
+    return low if high is None else follow(low, np.maximum(low, high))
+
+
+def _bounds(
+    joint: Joint,
+    effects: Sequence[Effect],
+    history: History,
+    drive: FloatArray,
+    layout: Layout,
+    cache: dict[tuple[float, float], _Tables],
+) -> tuple[FloatArray, FloatArray | None, Stations]:
+    """Return the curvature (n, m) that load and release hold at each row, and the stations they stand for."""
+    drift = _stiffness_drift(effects, history)
+    reverses = any(effect.reverses for effect in effects)
+    if drift is None:
+        return _at_lengths(joint, effects, history, drive, layout, cache, 1.0, reverses)
+    first, last = float(drift.min()), float(drift.max())
+    low_0, high_0, stations = _at_lengths(joint, effects, history, drive, layout, cache, 1.0 + first, reverses)
+    if last - first < 1e-12:
+        return low_0, high_0, stations
+    low_1, high_1, _ = _at_lengths(joint, effects, history, drive, layout, cache, 1.0 + last, reverses)
+    part = ((drift - first) / (last - first))[:, np.newaxis]
+    high = None if high_0 is None or high_1 is None else high_0 + part * (high_1 - high_0)
+    return low_0 + part * (low_1 - low_0), high, stations
+
+
+def _stiffness_drift(effects: Sequence[Effect], history: History) -> FloatArray | None:
+    if history.time is None or history.time.size == 0:
+        return None
+    drifts = [drift for effect in effects if (drift := effect.stiffness_drift(history.time)) is not None]
+    return drifts[0] if drifts else None
+
+
+def _at_lengths(
+    joint: Joint,
+    effects: Sequence[Effect],
+    history: History,
+    drive: FloatArray,
+    layout: Layout,
+    cache: dict[tuple[float, float], _Tables],
+    stiffness: float,
+    reverses: bool,  # noqa: FBT001 -- private, and always passed by the two lines above
+) -> tuple[FloatArray, FloatArray | None, Stations]:
+    lengths = history.bending_length
+    distinct = np.unique(np.round(lengths, 7))
+    if distinct.size > _MOST_LENGTHS:
+        distinct = np.linspace(distinct[0], distinct[-1], _MOST_LENGTHS)
+    found = []
+    for length in distinct.tolist():
+        key = (length, stiffness)
+        if key not in cache:
+            cache[key] = _tabulate(joint, effects, length, layout, stiffness, stroke_driven=history.stroke is not None)
+        found.append(cache[key])
+    if len(found) == 1:
+        return _look_up(found[0], drive, reverses)
+    left = np.clip(np.searchsorted(distinct, lengths + 1e-9, side="right") - 1, 0, distinct.size - 2)
+    part = np.clip((lengths - distinct[left]) / (distinct[left + 1] - distinct[left]), 0.0, 1.0)
+    low = np.zeros((drive.size, found[0].load_curvature.shape[1]))
+    high = np.zeros_like(low) if reverses else None
+    for place, tables in enumerate(found):
+        share = np.where(left == place, 1.0 - part, 0.0) + np.where(left + 1 == place, part, 0.0)
+        rows = np.flatnonzero(share)
+        if rows.size == 0:
+            continue
+        below, above, _ = _look_up(tables, drive[rows], reverses)
+        low[rows] += share[rows, np.newaxis] * below
+        if high is not None and above is not None:
+            high[rows] += share[rows, np.newaxis] * above
+    return low, high, found[0].stations
+
+
+def _look_up(
+    tables: _Tables, drive: FloatArray, reverses: bool  # noqa: FBT001 -- private
+) -> tuple[FloatArray, FloatArray | None, Stations]:
+    def at(axis: FloatArray, values: FloatArray) -> FloatArray:
+        return np.stack([np.interp(drive, axis, values[:, j]) for j in range(values.shape[1])], axis=1)
+
+    low = at(tables.load_drive, tables.load_curvature)
+    high = at(tables.release_drive, tables.release_curvature) if reverses else None
+    return low, high, tables.stations
+
+
+def _tabulate(
+    joint: Joint, effects: Sequence[Effect], length: float, layout: Layout, stiffness: float, *, stroke_driven: bool
+) -> _Tables:
+    """Return both branches at one bending length, each as a strictly usable axis: a jump is where it cannot hold."""
+    stations = stations_for(joint, effects, length, layout.kind, layout.columns, stiffness)
+    sides = []
+    for direction in (1, -1) if any(effect.reverses for effect in effects) else (1,):
+        tension, curvature = branch(stations, effects, direction, layout.curvature_limit)
+        if stroke_driven:
+            axis = joint.deadband + stations.shortening(curvature) + _stretch(joint, effects, tension)
+        else:
+            axis = tension
+        if direction > 0:
+            axis = np.maximum.accumulate(axis)
+        else:
+            axis = np.minimum.accumulate(axis[::-1])[::-1]
+        sides.append((axis, curvature))
+    return _Tables(stations, *sides[0], *sides[-1])
+
+
+def _stretch(joint: Joint, effects: Sequence[Effect], tension: FloatArray) -> FloatArray:
+    if joint.tendon is None:
+        return np.zeros_like(tension)
+    stretch = tension / joint.tendon.stiffness
+    for effect in effects:
+        stretch = effect.stretch(stretch, tension, joint)
+    return stretch
+
+
+def _tension(
+    joint: Joint,
+    effects: Sequence[Effect],
+    stroke: FloatArray,
+    curvature: FloatArray,
+    stations: Stations,
+    lengths: FloatArray,
+) -> FloatArray:
+    """Return the actuator's tension (N) from what the tendon is stretched by, given the curvature of each station."""
+    if joint.tendon is None:
+        return np.zeros_like(stroke)
+    short = stations.shortening(curvature) * (lengths / stations.bending_length)
+    stretch = np.maximum(stroke - joint.deadband - short, 0.0)
+    if all(type(effect).stretch is Effect.stretch for effect in effects):
+        return stretch * joint.tendon.stiffness
+    grid = np.linspace(0.0, float(np.max(stretch, initial=0.0)) * joint.tendon.stiffness * 1.01 + 1e-12, 257)
+    return np.interp(stretch, _stretch(joint, effects, grid), grid)
+
+
+def _observe(curvature: FloatArray, stations: Stations, lengths: FloatArray, layout: Layout) -> FloatArray:
+    """Return what a perfect camera reads, (n, k): mean curvature, bend of the segment, or bend notch by notch."""
+    if layout.kind == "notch":
+        bend = curvature * stations.pitch
+        return bend if bend.shape[1] == layout.columns else np.repeat(bend, layout.columns, axis=1)
+    mean = curvature @ stations.share
+    return np.asarray((mean * lengths if layout.kind == "bend" else mean)[:, np.newaxis])

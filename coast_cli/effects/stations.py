@@ -1,0 +1,178 @@
+"""Stations along the bending segment: one where all notches are alike, one a notch where they differ or are observed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from coast_cli.effects.effect import Effect, Segment
+from coast_cli.mechanics.joint import Joint
+from coast_cli.mechanics.section import FloatArray, full_section
+from coast_cli.mechanics.tube import NotchedTube
+
+# Lumps that stand for many equal notches where friction makes the tension vary along them.
+_LUMPS = 12
+_TABLE = 385
+_NEGATIVE = 0.35  # tables reach this part of the limit on the negative side, for a bend against the tendon
+
+
+@dataclass(frozen=True, slots=True)
+class Stations:
+    """The segment as m stations from clamp to tip.
+
+    Attributes:
+        segment: the moment law's view, shapes (m, 1). bending_length: m. count: notches each station stands for, (m,).
+        pitch, cut, lever_arm: m, shape (m,). share: of the segment's bend, (m,), sums to one.
+        friction_gain: ln(actuator tension / tension at the segment) of the base model, on load and by it on release.
+        resolved: whether every station is one notch.
+    """
+
+    segment: Segment
+    bending_length: float
+    count: FloatArray
+    pitch: FloatArray
+    cut: FloatArray
+    lever_arm: FloatArray
+    share: FloatArray
+    friction_gain: float
+    resolved: bool
+
+    def shortening(self, curvature: FloatArray) -> FloatArray:
+        """Return how far the bend pulls the tendon, m, for curvature (..., m): P (9), chord across each cut."""
+        half = curvature * self.pitch / 2.0
+        each = self.cut * (1.0 - np.sinc(half / np.pi)) + 2.0 * self.lever_arm * np.sin(half)
+        return np.asarray(each @ self.count)
+
+
+def stations_for(
+    joint: Joint, effects: Sequence[Effect], length: float, kind: str, columns: int, stiffness: float
+) -> Stations:
+    """Return the stations of a joint at one bending length (m).
+
+    Args:
+        kind, columns: what is observed; "notch" with k columns wants the k distal notches one by one.
+        stiffness: factor on the rigidity, for a drift of the material.
+    """
+    tube = joint.middle
+    radius = 0.0 if joint.tendon is None else joint.tendon.radius
+    gain = joint.pulley_friction * joint.wrap_angle + length / joint.pitch * np.log(joint.notch_friction)
+    graded = bool(np.ptp(tube.depth) > 0.0 or np.ptp(tube.pitch) > 0.0 or np.ptp(tube.cut) > 0.0)
+    if kind == "notch" or graded:
+        wanted = columns if kind == "notch" else min(max(round(length / joint.pitch), 1), tube.count)
+        chosen = slice(tube.count - wanted, tube.count)
+        count = np.ones(wanted)
+        if graded or any(effect.notch_friction() for effect in effects):
+            pitch, cut, depth_axis = tube.pitch[chosen], tube.cut[chosen], tube.notch.neutral_axis[chosen]
+            inertia = _series(tube)[chosen]
+        else:
+            chosen = slice(tube.count - 1, tube.count)
+            count = np.array([float(wanted)])
+            pitch, cut, depth_axis = tube.pitch[chosen], tube.cut[chosen], tube.notch.neutral_axis[chosen]
+            inertia = _series(tube)[chosen]
+    else:
+        lumps = _LUMPS if any(effect.notch_friction() for effect in effects) else 1
+        chosen = slice(tube.count - 1, tube.count)
+        count = np.full(lumps, length / joint.pitch / lumps)
+        pitch, cut = np.full(lumps, joint.pitch), np.full(lumps, joint.cut)
+        depth_axis, inertia = np.full(lumps, float(np.mean(tube.notch.neutral_axis))), np.full(lumps, _series(tube)[-1])
+    if joint.outer is not None:
+        inertia = inertia + joint.outer.rigidity_series / joint.outer.youngs_modulus
+    bend_weight = count * pitch
+    segment = Segment(
+        rigidity=(stiffness * joint.youngs_modulus * inertia)[:, np.newaxis],
+        bending_length=length,
+        joint=joint,
+        strain_per_curvature=_strain(tube, chosen, pitch.size),
+        closing_curvature=_closing(joint, chosen, pitch.size),
+    )
+    return Stations(
+        segment=segment,
+        bending_length=length,
+        count=count,
+        pitch=pitch,
+        cut=cut,
+        lever_arm=depth_axis + tube.inner_radius - radius,
+        share=bend_weight / bend_weight.sum(),
+        friction_gain=float(gain),
+        resolved=bool(np.all(count == 1.0)),
+    )
+
+
+def branch(
+    stations: Stations, effects: Sequence[Effect], direction: int, curvature_limit: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return actuator tension (q,) and curvature of each station (q, m) along load (+1) or release (-1)."""
+    joint = stations.segment.joint
+    exponent = stations.friction_gain + sum(
+        effect.friction(direction, joint, stations.bending_length) for effect in effects
+    )
+    gain = float(np.exp(exponent))
+    curvature = np.linspace(-_NEGATIVE * curvature_limit, curvature_limit, _TABLE)
+    moment = stations.segment.rigidity * curvature
+    for effect in effects:
+        moment = effect.moment(moment, np.broadcast_to(curvature, moment.shape), direction, stations.segment)
+    if stations.pitch.size == 1:
+        rest = float(np.interp(0.0, np.maximum.accumulate(moment[0]), curvature))
+        held = np.concatenate(([rest], curvature[curvature > rest]))
+        pull = np.concatenate(([0.0], moment[0][curvature > rest]))
+        return np.maximum(pull, 0.0) / stations.lever_arm[0] * gain, held[:, np.newaxis]
+    return _along(stations, effects, direction, curvature, moment, gain)
+
+
+def _along(
+    stations: Stations,
+    effects: Sequence[Effect],
+    direction: int,
+    curvature: FloatArray,
+    moment: FloatArray,
+    gain: float,
+) -> tuple[FloatArray, FloatArray]:
+    """Follow the tension from clamp to tip; each notch takes its part of it by the angle that it has bent."""
+    monotone = np.maximum.accumulate(moment, axis=1)
+    if direction < 0:
+        monotone = np.minimum.accumulate(moment[:, ::-1], axis=1)[:, ::-1]
+    friction = sum(effect.notch_friction() for effect in effects)
+    largest = float(np.max(monotone[:, -1] / stations.lever_arm)) * gain
+    tension = np.linspace(0.0, 1.0, _TABLE) ** 1.5 * largest
+    here = tension / gain
+    bent = np.empty((_TABLE, stations.pitch.size))
+    for place in range(stations.pitch.size):
+        arm, step = stations.lever_arm[place], stations.count[place] * stations.pitch[place]
+        kappa = np.interp(here * arm, monotone[place], curvature)
+        if not stations.resolved:
+            middle = here * np.exp(-direction * friction * np.abs(kappa) * step / 2.0)
+            kappa = np.interp(middle * arm, monotone[place], curvature)
+        bent[:, place] = kappa
+        here = here * np.exp(-direction * friction * np.abs(kappa) * step)
+    return tension, bent
+
+
+def _series(tube: NotchedTube) -> FloatArray:
+    """Return the series second moment of each pitch, m^4, shape (n,)."""
+    cut, uncut = tube.segments.length[1::2], tube.segments.length[0::2]
+    compliance = cut * tube.youngs_modulus / tube.segments.rigidity[1::2] + uncut / full_section(
+        tube.outer_radius, tube.inner_radius
+    ).second_moment
+    return np.asarray((cut + uncut) / compliance)
+
+
+def _strain(tube: NotchedTube, chosen: slice, size: int) -> FloatArray:
+    """Return the outer-fibre strain of the strip for a unit curvature of the segment, m, shape (size, 1)."""
+    axis = tube.notch.neutral_axis[chosen]
+    inner_edge = tube.inner_radius * (tube.depth[chosen] - tube.outer_radius) / tube.outer_radius
+    fibre = np.maximum(tube.outer_radius - axis, axis - inner_edge)
+    strain = fibre * tube.pitch[chosen] / tube.cut[chosen]
+    return np.broadcast_to(strain, (size,))[:, np.newaxis]
+
+
+def _closing(joint: Joint, chosen: slice, size: int) -> FloatArray:
+    """Return the curvature at which the faces of a notch touch, 1/m, shape (size, 1): cut/(ro + ybar)/pitch."""
+    tube = joint.middle
+    closing = (tube.cut / (tube.outer_radius + tube.notch.neutral_axis) / tube.pitch)[chosen]
+    if joint.outer is not None:
+        outer = joint.outer
+        first = float(np.min(outer.cut / (outer.outer_radius + outer.notch.neutral_axis) / outer.pitch))
+        closing = np.minimum(closing, first)
+    return np.broadcast_to(closing, (size,))[:, np.newaxis]
