@@ -1,0 +1,1 @@
+"""From a recording that disagrees to what was left out: fit, locate, choose, report."""

@@ -1,0 +1,108 @@
+"""How likely residuals are as noise whose level and colour are not known: AR(1) plus white, both fitted.
+
+A hypothesis that leaves a smooth misfit behind must pay for it as coloured noise, and one that explains it earns only
+what coloured noise could not have done by itself. Comparing hypotheses at one fixed white level instead calls physics on
+most clean recordings. Colours form a grid; residual sequences are cut into chunks whose covariances are factorised once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coast_cli.mechanics.section import FloatArray
+
+Integers = NDArray[np.int64]
+
+# (memory of the AR(1) part, share of white noise in the variance)
+COLOURS: tuple[tuple[float, float], ...] = (
+    (0.0, 1.0),
+    *((memory, white) for memory in (0.3, 0.5, 0.7, 0.85, 0.93, 0.97, 0.99) for white in (0.0, 0.3, 0.6, 0.85)),
+)
+_CHUNK = 96
+
+
+@dataclass(frozen=True, slots=True)
+class Evidence:
+    """The best colour of a residual: log likelihood, level (standard deviation), and index into ``COLOURS``."""
+
+    log_likelihood: float
+    level: float
+    colour: int
+
+    @property
+    def memory(self) -> float:
+        """Lag-one correlation of the noise."""
+        memory, white = COLOURS[self.colour]
+        return memory * (1.0 - white)
+
+
+class NoiseBank:
+    """Covariance factors of every chunk of a set of residual sequences, for every colour.
+
+    Args:
+        sequences: for each sequence the row numbers of its samples (gaps are dropped frames), each (n_i,); residual
+            vectors are these sequences one after the other.
+    """
+
+    def __init__(self, sequences: Sequence[Integers]) -> None:
+        groups: dict[bytes, list[Integers]] = {}
+        start = 0
+        for rows in sequences:
+            pieces = max(1, -(-rows.size // _CHUNK))
+            for piece in np.array_split(np.arange(rows.size), pieces):
+                if piece.size:
+                    key = (rows[piece] - rows[piece[0]]).astype(np.int64).tobytes()
+                    groups.setdefault(key, []).append(start + piece)
+            start += rows.size
+        self.size = start
+        self._chunks: list[tuple[Integers, FloatArray]] = []
+        log_determinant = np.zeros(len(COLOURS))
+        for key, places in groups.items():
+            inverse, chunk_log_determinant = _factors(key)
+            self._chunks.append((np.stack(places), inverse))
+            log_determinant += len(places) * chunk_log_determinant
+        self._log_determinant = log_determinant
+
+    def evidence(self, residual: FloatArray) -> Evidence:
+        """Return the likelihood of a residual (n,) with level and colour fitted."""
+        if self.size == 0:
+            return Evidence(0.0, 0.0, 0)
+        quadratic = np.zeros(len(COLOURS))
+        for places, inverse in self._chunks:
+            quadratic += np.sum((inverse @ residual[places].T) ** 2, axis=(1, 2))
+        variance = np.maximum(quadratic / self.size, 1e-300)
+        log_likelihood = -0.5 * self.size * (np.log(2.0 * np.pi * variance) + 1.0) - 0.5 * self._log_determinant
+        best = int(np.argmax(log_likelihood))
+        return Evidence(float(log_likelihood[best]), float(np.sqrt(variance[best])), best)
+
+    def whiten(self, values: FloatArray, colour: int) -> FloatArray:
+        """Return values (n,) or (n, p) decorrelated under a colour, at unit level."""
+        if colour == 0:
+            return values
+        out = np.empty_like(values)
+        for places, inverse in self._chunks:
+            out[places] = np.einsum("ij,cj...->ci...", inverse[colour], values[places])
+        return out
+
+
+_CACHE: dict[bytes, tuple[FloatArray, FloatArray]] = {}
+
+
+def _factors(key: bytes) -> tuple[FloatArray, FloatArray]:
+    """Return the inverse Cholesky factors (colours, m, m) and log determinants (colours,) of one chunk."""
+    found = _CACHE.get(key)
+    if found is None:
+        rows = np.frombuffer(key, dtype=np.int64)
+        lag = np.abs(rows[:, np.newaxis] - rows)
+        covariance = np.stack([(1.0 - white) * memory**lag + white * np.eye(rows.size) for memory, white in COLOURS])
+        factor = np.linalg.cholesky(covariance)
+        log_determinant = 2.0 * np.sum(np.log(np.diagonal(factor, axis1=1, axis2=2)), axis=1)
+        found = np.linalg.inv(factor), log_determinant
+        if len(_CACHE) > 256:
+            _CACHE.clear()
+        _CACHE[key] = found
+    return found

@@ -1,0 +1,352 @@
+"""What is fitted to what: the runs of a recording, the base model's own free parameters, and the residuals between them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coast_cli.diagnosis.likelihood import NoiseBank
+from coast_cli.effects.effect import Effect, History, Scale
+from coast_cli.effects.forward import Layout, Prediction, predict
+from coast_cli.mechanics.joint import Joint, curvature_from_stroke
+from coast_cli.mechanics.section import FloatArray
+from coast_cli.recordings.model import JointRun
+from coast_cli.units import GIGAPASCAL, MILLIMETRE
+
+if TYPE_CHECKING:
+    from coast_cli.spec.config import Config
+
+Booleans = NDArray[np.bool_]
+
+# Standard deviations of the weak priors on base parameters, where the configuration gives no {min, max} of its own.
+_PRIORS = {
+    "youngs_modulus_gpa": 0.5,  # of its logarithm
+    "notch_friction": 0.01,
+    "deadband_mm": 1.0,
+    "tendon_youngs_modulus_gpa": 0.1,  # of its logarithm
+}
+_LOGARITHMIC = ("youngs_modulus_gpa", "tendon_youngs_modulus_gpa")
+_CONFIG_KEYS = {
+    "youngs_modulus_gpa": "joint.youngs_modulus_gpa",
+    "notch_friction": "joint.notch_friction",
+    "deadband_mm": "joint.deadband_mm",
+    "tendon_youngs_modulus_gpa": "tendon.youngs_modulus_gpa",
+}
+_TRIVIAL = 1e-12
+
+
+@dataclass(frozen=True, slots=True)
+class BaseParameter:
+    """One calibratable number of the base model: configured value, bounds, prior width; see ``_PRIORS`` for its scale."""
+
+    name: str
+    value: float
+    low: float
+    high: float
+    prior: float
+
+    @property
+    def logarithmic(self) -> bool:
+        """Whether the fit moves the logarithm."""
+        return self.name in _LOGARITHMIC
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A recording of a joint, ready to be fitted.
+
+    Attributes:
+        runs: in the order they were recorded.
+        joints: by pair name, with configured parameters.
+        base: the free parameters of the base model.
+        train: for each run which rows are fitted, (n,).
+        usable: for each run and column which samples count at all (not dropped, not an outlier), (n, k).
+        tension_noise: rough level of the tension witness, N; None where tension is the drive or was not recorded.
+        noise: rough level of the response, SI.
+    """
+
+    runs: tuple[JointRun, ...]
+    joints: Mapping[str, Joint]
+    base: tuple[BaseParameter, ...]
+    train: tuple[Booleans, ...]
+    usable: tuple[Booleans, ...]
+    tension_usable: tuple[Booleans, ...]
+    noise: float
+    tension_noise: float | None
+    fixed_effects: tuple[Effect, ...] = field(default=())
+
+    @cached_property
+    def layout(self) -> Layout:
+        """What is observed, with a curvature that tables must reach."""
+        first = self.runs[0]
+        largest = max(self._largest_curvature(run) for run in self.runs)
+        return Layout(first.kind, first.response.shape[1], 1.6 * largest + 5.0)
+
+    def _largest_curvature(self, run: JointRun) -> float:
+        joint = self.joints[run.pair]
+        seen = np.nanmax(np.abs(run.response), initial=0.0) if np.isfinite(run.response).any() else 0.0
+        if run.kind == "bend":
+            seen /= float(run.bending_length.min())
+        elif run.kind == "notch":
+            seen /= float(joint.middle.pitch.min())
+        if run.stroke is None or joint.tendon is None:
+            return float(seen)
+        reached = curvature_from_stroke(joint, np.max(run.stroke), np.min(run.bending_length)).curvature
+        return max(float(seen), min(float(reached), 3.0 * float(seen) + 20.0))
+
+    @cached_property
+    def histories(self) -> dict[str, list[tuple[int, History]]]:
+        """Drive histories by pair, each with the index of its run."""
+        by_pair: dict[str, list[tuple[int, History]]] = {}
+        for index, run in enumerate(self.runs):
+            time = None if run.time is None else run.time - self.first_time
+            tension = run.tension if run.stroke is None else None
+            by_pair.setdefault(run.pair, []).append((index, History(time, run.stroke, tension, run.bending_length)))
+        return by_pair
+
+    @cached_property
+    def first_time(self) -> float:
+        """The earliest clock of the recording, s."""
+        times = [float(run.time.min()) for run in self.runs if run.time is not None and run.time.size]
+        return min(times, default=0.0)
+
+    def configured(self) -> FloatArray:
+        """Return the base parameters as configured, in fit coordinates (p,)."""
+        return np.array([np.log(p.value) if p.logarithmic else p.value for p in self.base])
+
+    def bounds(self) -> tuple[FloatArray, FloatArray]:
+        """Return lower and upper bounds of the base parameters in fit coordinates, each (p,)."""
+        low = np.array([np.log(p.low) if p.logarithmic else p.low for p in self.base])
+        high = np.array([np.log(p.high) if p.logarithmic else p.high for p in self.base])
+        return low, high
+
+    def values(self, coordinates: FloatArray) -> dict[str, float]:
+        """Return the base parameters in user units from fit coordinates."""
+        return {
+            p.name: float(np.exp(c) if p.logarithmic else c) for p, c in zip(self.base, coordinates, strict=True)
+        }
+
+    def joint(self, pair: str, coordinates: FloatArray) -> Joint:
+        """Return a pair's joint with its base parameters replaced."""
+        return with_base(self.joints[pair], self.values(coordinates))
+
+    def predict(self, coordinates: FloatArray, effects: Sequence[Effect]) -> list[Prediction]:
+        """Return the prediction of every run in order."""
+        found: dict[int, Prediction] = {}
+        for pair, numbered in self.histories.items():
+            joint = self.joint(pair, coordinates)
+            histories = [history for _, history in numbered]
+            for (index, _), prediction in zip(
+                numbered, predict(joint, (*self.fixed_effects, *effects), histories, self.layout), strict=True
+            ):
+                found[index] = prediction
+        return [found[index] for index in range(len(self.runs))]
+
+    @cached_property
+    def sequences(self) -> list[tuple[int, int, NDArray[np.int64]]]:
+        """Response sequences that are fitted: (run, column, rows)."""
+        return [
+            (index, column, np.flatnonzero(self.usable[index][:, column] & self.train[index]))
+            for index in range(len(self.runs))
+            for column in range(self.runs[index].response.shape[1])
+        ]
+
+    @cached_property
+    def tension_sequences(self) -> list[tuple[int, NDArray[np.int64]]]:
+        """Tension sequences that are fitted as a second witness: (run, rows)."""
+        if self.tension_noise is None:
+            return []
+        return [(i, np.flatnonzero(self.tension_usable[i] & self.train[i])) for i in range(len(self.runs))]
+
+    @cached_property
+    def bank(self) -> NoiseBank:
+        """Noise colours of the fitted response."""
+        return NoiseBank([rows for _, _, rows in self.sequences])
+
+    @cached_property
+    def tension_bank(self) -> NoiseBank:
+        """Noise colours of the fitted tension."""
+        return NoiseBank([rows for _, rows in self.tension_sequences])
+
+    @cached_property
+    def observed(self) -> FloatArray:
+        """Fitted responses, one sequence after the other, SI."""
+        return _joined([self.runs[i].response[rows, column] for i, column, rows in self.sequences])
+
+    @cached_property
+    def observed_tension(self) -> FloatArray:
+        """Fitted tensions, N."""
+        return _joined([_required(self.runs[i].tension)[rows] for i, rows in self.tension_sequences])
+
+    def fitted(self, predictions: Sequence[Prediction]) -> tuple[FloatArray, FloatArray]:
+        """Return the predictions of the fitted responses and tensions, in the order of ``observed``."""
+        response = _joined([predictions[i].response[rows, column] for i, column, rows in self.sequences])
+        tension = _joined([predictions[i].tension[rows] for i, rows in self.tension_sequences])
+        return response, tension
+
+    def scales(self) -> dict[Scale, float]:
+        """Return the largest curvature, strain, tension and so on that the recording reaches at configured values."""
+        from coast_cli.effects.stations import stations_for
+
+        curvature, strain, closure, tension = 1e-9, 1e-9, 1e-9, 1e-9
+        predictions = self.predict(self.configured(), ())
+        for run, prediction in zip(self.runs, predictions, strict=True):
+            joint = self.joints[run.pair]
+            stations = stations_for(joint, (), float(run.bending_length[0]), run.kind, run.response.shape[1], 1.0)
+            divisor = {"curvature": 1.0, "bend": float(run.bending_length.mean()), "notch": float(stations.pitch.mean())}
+            seen = float(np.nanmax(np.abs(run.response), initial=0.0)) / divisor[run.kind]
+            curvature = max(curvature, seen)
+            strain = max(strain, seen * float(stations.segment.strain_per_curvature.mean()))
+            closure = max(closure, seen / float(stations.segment.closing_curvature.mean()))
+            measured = run.tension if run.tension is not None else prediction.tension
+            tension = max(tension, float(np.nanmax(measured, initial=0.0)))
+        response = max(float(np.nanmax(np.abs(run.response), initial=0.0)) for run in self.runs)
+        spans = [float(np.ptp(run.time)) for run in self.runs if run.time is not None and run.time.size]
+        return {
+            "": 1.0,
+            "curvature": curvature,
+            "strain": strain,
+            "closure": closure,
+            "tension": tension,
+            "duration": max(spans, default=1.0),
+            "response": response,
+        }
+
+    def only(self, train: Sequence[Booleans]) -> Problem:
+        """Return the same problem fitted on other rows."""
+        return replace(self, train=tuple(train))
+
+
+def with_base(joint: Joint, values: Mapping[str, float]) -> Joint:
+    """Return a joint with base parameters (user units, names as in ``Problem.values``) replaced."""
+    changes: dict[str, float] = {}
+    if "youngs_modulus_gpa" in values:
+        changes["youngs_modulus"] = values["youngs_modulus_gpa"] * GIGAPASCAL
+    if "notch_friction" in values:
+        changes["notch_friction"] = values["notch_friction"]
+    if "deadband_mm" in values:
+        changes["deadband"] = values["deadband_mm"] * MILLIMETRE
+    tendon = joint.tendon
+    if tendon is not None and "tendon_youngs_modulus_gpa" in values:
+        tendon = replace(tendon, youngs_modulus=values["tendon_youngs_modulus_gpa"] * GIGAPASCAL)
+    return replace(joint, tendon=tendon, **changes)  # type: ignore[arg-type]
+
+
+def build_problem(config: Config, runs: Sequence[JointRun], held_out: Sequence[Booleans] | None = None) -> Problem:
+    """Return the problem of fitting a configuration to runs.
+
+    Args:
+        held_out: for each run which rows are not fitted, (n,); none by default.
+    """
+    from coast_cli.effects.catalogue import build_effects
+    from coast_cli.spec.build import build_joint
+
+    joints = {run.pair: build_joint(config, run.outer, run.middle) for run in runs}
+    usable, noise = _screened([run.response for run in runs])
+    witness = all(run.tension is not None and run.stroke is not None for run in runs)
+    if witness:
+        columns = [_required(run.tension)[:, np.newaxis] for run in runs]
+        tension_usable, tension_noise = _screened(columns)
+        tension_rows = tuple(use[:, 0] for use in tension_usable)
+    else:
+        tension_rows, tension_noise = tuple(np.zeros(len(run), bool) for run in runs), None
+    held = held_out or [np.zeros(len(run), bool) for run in runs]
+    return Problem(
+        runs=tuple(runs),
+        joints=joints,
+        base=_free_parameters(config, runs, has_witness=witness),
+        train=tuple(~rows for rows in held),
+        usable=tuple(usable),
+        tension_usable=tension_rows,
+        noise=noise,
+        tension_noise=tension_noise,
+        fixed_effects=build_effects(config.corrections),
+    )
+
+
+def _free_parameters(config: Config, runs: Sequence[JointRun], *, has_witness: bool) -> tuple[BaseParameter, ...]:
+    """Choose what the recording can tell: strokes and one length only fix products, which the modulus stands for."""
+    stroke_driven = runs[0].stroke is not None
+    lengths = np.concatenate([run.bending_length for run in runs])
+    names = ["youngs_modulus_gpa"]
+    if float(np.ptp(lengths)) > 0.05 * float(lengths.max()):
+        names.append("notch_friction")
+    if stroke_driven:
+        names.append("deadband_mm")
+    if has_witness and config.tendon is not None:
+        names.append("tendon_youngs_modulus_gpa")
+    found = []
+    for name in names:
+        value, low, high = config.bounds(_CONFIG_KEYS[name])
+        wide = _wide_bounds(name, value)
+        low, high = max(low, wide[0]), min(high, wide[1])
+        given = _given_bounds(config, name)
+        prior = _PRIORS[name]
+        if given is not None:
+            low, high = given
+            prior = (np.log(high / low) if name in _LOGARITHMIC else high - low) / 4.0
+        found.append(BaseParameter(name, value, low, high, max(prior, _TRIVIAL)))
+    return tuple(found)
+
+
+def _wide_bounds(name: str, value: float) -> tuple[float, float]:
+    if name in _LOGARITHMIC:
+        return value / 8.0, value * 8.0
+    return (1.0, 1.1) if name == "notch_friction" else (-3.0, value + 10.0)
+
+
+def _given_bounds(config: Config, name: str) -> tuple[float, float] | None:
+    from coast_cli.spec.values import Calibrated
+
+    table, key = _CONFIG_KEYS[name].split(".")
+    number = getattr(getattr(config, table), key)
+    return (number.min, number.max) if isinstance(number, Calibrated) else None
+
+
+def _screened(columns: Sequence[FloatArray]) -> tuple[list[Booleans], float]:
+    """Return which samples count (finite, and no lone outlier) and the rough noise level, from second differences."""
+    level = _difference_level(columns)
+    usable = []
+    for values in columns:
+        good = np.isfinite(values)
+        for column in range(values.shape[1]):
+            rows = np.flatnonzero(good[:, column])
+            if rows.size < 7:
+                continue
+            series = values[rows, column]
+            padded = np.pad(series, 2, mode="reflect")
+            windows = np.lib.stride_tricks.sliding_window_view(padded, 5)
+            deviation = np.abs(series - np.median(windows, axis=1))
+            spread = np.median(np.abs(np.diff(series)))
+            good[rows[deviation > 7.0 * level + 4.0 * spread], column] = False
+        usable.append(good)
+    return usable, level
+
+
+def _difference_level(columns: Sequence[FloatArray]) -> float:
+    differences = []
+    for values in columns:
+        for column in range(values.shape[1]):
+            series = values[np.isfinite(values[:, column]), column]
+            if series.size >= 3:
+                differences.append(np.abs(np.diff(series, 2)))
+    if not differences:
+        return 1e-9
+    spread = np.concatenate(differences)
+    level = float(np.median(spread)) / 0.6745 / np.sqrt(6.0)
+    return max(level, float(np.mean(spread)) * 1e-3, 1e-9)
+
+
+def _joined(parts: Sequence[FloatArray]) -> FloatArray:
+    return np.concatenate(parts) if parts else np.zeros(0)
+
+
+def _required(values: FloatArray | None) -> FloatArray:
+    if values is None:
+        raise ValueError("a tension witness was expected")
+    return values
