@@ -1,0 +1,136 @@
+"""What the camera makes of the notches' bends: a circle through points of the shape, a tip angle, late or distorted, and noise.
+
+The circle is fitted to the points with its tangent at the clamp; for a uniform bend it returns the curvature exactly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Effects = Mapping[str, Mapping[str, object]]
+
+
+def circle_curvature(theta: Array, weight: float, length: Array) -> Array:
+    """Curvature (1/m) of the circle through the segment's points, for notch bends `theta` [time, notch] (rad)."""
+    steps, notches = theta.shape
+    total = theta.sum(axis=1) * weight
+    mean = total / length
+    # Points at the notch boundaries, in units of the length; chords of arcs so that a uniform bend is exact.
+    bend = theta * weight
+    angle = np.concatenate([np.zeros((steps, 1)), np.cumsum(bend, axis=1)], axis=1)
+    chord = np.sinc(bend / 2 / np.pi) / notches
+    direction = angle[:, :-1] + bend / 2
+    x, y = np.cumsum(chord * np.cos(direction), axis=1), np.cumsum(chord * np.sin(direction), axis=1)
+    s = np.arange(1, notches + 1) / notches
+    turn = total[:, None]
+    for _ in range(2):
+        px, py = s * np.sinc(turn * s / np.pi), s**2 * turn / 2 * np.sinc(turn * s / 2 / np.pi) ** 2
+        h = 1e-6
+        after = turn + h
+        jx = (s * np.sinc(after * s / np.pi) - px) / h
+        jy = (s**2 * after / 2 * np.sinc(after * s / 2 / np.pi) ** 2 - py) / h
+        turn = turn + (((x - px) * jx + (y - py) * jy).sum(axis=1) / (jx**2 + jy**2).sum(axis=1))[:, None]
+    return np.where(np.abs(theta - theta.mean(axis=1, keepdims=True)).max(axis=1) < 1e-13, mean, turn[:, 0] / length)
+
+
+def observe(theta: Array, weight: float, length: Array, time: Array, nominal_length: float, kind: str, effects: Effects,
+            largest: float) -> Array:
+    """The response [time, k] in 1/m (curvature) or degrees (bend, notch), late and distorted where an effect says so."""
+    if kind == "curvature":
+        seen = circle_curvature(theta, weight, length)[:, None]
+        if "wire_pull_coupling" in effects:
+            # The camera takes the segment for as long as the stage says.
+            seen = seen * (length / nominal_length)[:, None]
+    elif kind == "bend":
+        # The base bend is curvature times length; a segment longer than it is told bends more.
+        seen = np.degrees(theta.sum(axis=1) * weight * length / nominal_length)[:, None]
+    else:
+        seen = np.degrees(theta)
+    if lag := effects.get("sensor_lag"):
+        seen = _late(seen, time, str(lag["law"]), float(lag["time_constant_s"]))  # type: ignore[arg-type]
+    if ringing := effects.get("ringing"):
+        seen = _ring(seen, time, float(ringing["period_s"]), float(ringing["damping"]))  # type: ignore[arg-type]
+    if lens := effects.get("lens_rolling"):
+        full = float(np.abs(seen).max())
+        seen = seen + lens["amplitude"] * np.sin(2 * np.pi * lens["turns"] * seen / full + lens["phase_rad"])
+    if scale := effects.get("camera_scale"):
+        seen = seen * scale["scale"]
+    if offset := effects.get("camera_offset"):
+        seen = seen + offset["offset"]
+    if bump := effects.get("camera_bump"):
+        seen = seen + bump["step"] * (time - time[0] >= bump["at_share"] * (time[-1] - time[0]))[:, None]
+    return seen
+
+
+def _late(seen: Array, time: Array, law: str, tau: float) -> Array:
+    if law == "delay":
+        return np.column_stack([np.interp(time - tau, time, column) for column in seen.T])
+    stages = 2 if law == "two_stage" else 1
+    for _ in range(stages):
+        out = seen.copy()
+        for k in range(1, time.size):
+            # First-order filter, exact for an input that is linear between the times.
+            dt, rate = time[k] - time[k - 1], tau / stages
+            decay = np.exp(-dt / rate)
+            ramp = (seen[k] - seen[k - 1]) / dt
+            out[k] = seen[k] - ramp * rate + (out[k - 1] - seen[k - 1] + ramp * rate) * decay
+        seen = out
+    return seen
+
+
+def _ring(seen: Array, time: Array, period: float, damping: float) -> Array:
+    from scipy.signal import lsim
+
+    fine = np.linspace(time[0], time[-1], 8 * time.size)
+    omega = 2 * np.pi / period
+    columns = []
+    for column in seen.T:
+        drive = np.interp(fine, time, column) - column[0]
+        out = lsim(([omega**2], [1, 2 * damping * omega, omega**2]), drive, fine - fine[0])[1]
+        columns.append(np.interp(time, fine, out) + column[0])
+    return np.column_stack(columns)
+
+
+NOISE_KINDS = ("white", "ar", "drift", "quantised")
+
+
+def draw_noise(rng: np.random.Generator) -> dict[str, object]:
+    """A kind of camera noise, its colour, and how often a frame is an outlier or lost."""
+    kind = str(rng.choice(NOISE_KINDS, p=[0.4, 0.3, 0.15, 0.15]))
+    return {
+        "kind": kind,
+        "correlation": round(rng.uniform(0.3, 0.95), 3) if kind == "ar" else 0.0,
+        "quantum_sigmas": round(rng.uniform(1.0, 3.2), 2) if kind == "quantised" else 0.0,
+        "outlier_share": round(rng.uniform(0.003, 0.02), 4) if rng.random() < 0.2 else 0.0,
+        "dropped_share": round(rng.uniform(0.005, 0.05), 4) if rng.random() < 0.2 else 0.0,
+    }
+
+
+def noisy(truth: Array, sigma: float, noise: Mapping[str, object], rng: np.random.Generator) -> Array:
+    """`truth` [row, k] with noise of standard deviation `sigma`; a lost frame is NaN."""
+    rows, columns = truth.shape
+    kind = noise["kind"]
+    unit = rng.standard_normal((rows, columns))
+    if kind == "ar":
+        rho = float(noise["correlation"])  # type: ignore[arg-type]
+        from scipy.signal import lfilter
+
+        unit[1:] *= np.sqrt(1 - rho**2)
+        unit = lfilter([1.0], [1.0, -rho], unit, axis=0)
+    elif kind == "drift":
+        # A random walk held by reflection at one sigma, on top of white noise of eight tenths.
+        walk = np.cumsum(rng.standard_normal((rows, columns)) * 0.08, axis=0) + rng.uniform(-1, 1, columns)
+        unit = 0.8 * unit + np.abs((walk + 1) % 4 - 2) - 1
+    out = truth + sigma * unit
+    if kind == "quantised":
+        quantum = sigma * float(noise["quantum_sigmas"])  # type: ignore[arg-type]
+        fine = np.sqrt(max(1 - float(noise["quantum_sigmas"]) ** 2 / 12, 0.1))  # type: ignore[arg-type]
+        out = np.round((truth + sigma * fine * unit) / quantum) * quantum
+    wild = rng.random(rows) < float(noise["outlier_share"])  # type: ignore[arg-type]
+    out[wild] += sigma * (rng.choice([-1.0, 1.0], (int(wild.sum()), columns)) * rng.uniform(6, 25, (int(wild.sum()), columns)))
+    out[rng.random(rows) < float(noise["dropped_share"])] = np.nan  # type: ignore[arg-type]
+    return out

@@ -1,0 +1,142 @@
+"""How a user might have recorded: bending lengths, sweeps, partial reversals, holds, cycles, rates, columns.
+
+A protocol is drawn first, without looking at what was left out; an effect then asks whether the protocol could show it
+(`Needs`), and another one is drawn until it could. A clean record borrows the protocol of a random effect.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class RunPlan:
+    """One run: tubes by index, bending length (m), drive at every simulated time, and which of those times were recorded."""
+
+    outer: int | None
+    middle: int
+    length: float
+    kind: str
+    time: Array
+    fraction: Array
+    recorded: NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Protocol:
+    """All runs of a recording and its columns; `fraction` of a run spans 0 (start) to 1 (largest drive)."""
+
+    runs: tuple[RunPlan, ...]
+    response: str
+    has_time: bool
+    has_tension: bool
+    slack_start: bool
+    dt: float
+
+    @property
+    def lengths(self) -> int:
+        return len({run.length for run in self.runs})
+
+    def kinds(self) -> set[str]:
+        return {run.kind for run in self.runs}
+
+    def has(self, *names: str) -> bool:
+        return bool(self.kinds() & set(names))
+
+    def rates(self) -> float:
+        """Fastest over slowest median speed of the runs' moving legs, in fraction of the range per second."""
+        speeds: list[float] = []
+        for run in self.runs:
+            speed = np.abs(np.diff(run.fraction) / np.diff(run.time))
+            speeds += list(np.quantile(speed[speed > 1e-9], [0.15, 0.85]))
+        return max(speeds) / min(speeds)
+
+    def steps(self) -> float:
+        """Largest fraction of the range moved between two recorded rows."""
+        return max(float(np.max(np.abs(np.diff(run.fraction[run.recorded])))) for run in self.runs)
+
+
+RELEASING = ("triangle", "partial", "cycles", "rates", "ladder_down")
+Needs = Callable[[Protocol], bool]
+
+
+def _legs(kind: str, rng: np.random.Generator) -> list[tuple[float, float, float]]:
+    """Legs (target fraction, speed, hold) of one run."""
+    top = rng.uniform(0.75, 1.0)
+    if kind == "load":
+        return [(rng.uniform(0.85, 1.0), 1.0, 0.0)]
+    if kind == "triangle":
+        return [(top, 1.0, 0.0), (rng.choice([0.0, 0.0, 0.2]), 1.0, 0.0)]
+    if kind == "partial":
+        a, b = rng.uniform(0.4, 0.6), rng.uniform(0.65, 0.85)
+        return [(a, 1.0, 0.0), (a - rng.uniform(0.15, 0.35), 1.0, 0.0), (b, 1.0, 0.0), (b - rng.uniform(0.2, 0.45), 1.0, 0.0),
+                (1.0, 1.0, 0.0), (rng.uniform(0.0, 0.4), 1.0, 0.0)]
+    if kind in ("ladder", "ladder_down"):
+        steps = int(rng.integers(3, 6))
+        hold = rng.uniform(0.6, 2.5)
+        up = [(float(f), 3.0, hold) for f in np.linspace(0, top, steps + 1)[1:]]
+        return up + ([(float(f), 3.0, hold) for f in np.linspace(top, 0, steps + 1)[1:]] if kind == "ladder_down" else [])
+    if kind == "cycles":
+        grow = rng.random() < 0.7
+        low = rng.choice([0.0, 0.0, 0.15])
+        peaks = np.linspace(0.45, 1.0, int(rng.integers(2, 5))) if grow else np.full(int(rng.integers(2, 5)), top)
+        return [leg for p in peaks for leg in ((float(p), 1.0, 0.0), (low, 1.0, 0.0))]
+    if kind == "rates":
+        fast = rng.uniform(3.0, 6.0)
+        return [(top, 1.0, 0.0), (0.0, 1.0, 0.0), (top, fast, 0.0), (0.0, fast, 0.0)]
+    raise ValueError(kind)
+
+
+def _run(rng: np.random.Generator, kind: str, count: int, dt: float, jitter: float, start: float) -> tuple[Array, Array, NDArray[np.int64]]:
+    legs = _legs(kind, rng)
+    corners, drives, here = [0.0], [start], start
+    for target, speed, hold in legs:
+        target = max(float(target), start)
+        corners.append(corners[-1] + max(abs(target - here), 0.02) / speed)
+        drives.append(target)
+        here = target
+        if hold:
+            corners.append(corners[-1] + hold * 0.3)
+            drives.append(target)
+    duration = (count - 1) * dt
+    knots = np.array(corners) / corners[-1] * duration
+    sampled = np.arange(count) * dt
+    sampled[1:-1] += rng.uniform(-jitter, jitter, count - 2) * dt
+    time = np.union1d(sampled, knots)
+    return time, np.interp(time, knots, drives), np.searchsorted(time, sampled).astype(np.int64)
+
+
+def draw_protocol(rng: np.random.Generator, outers: int, middles: int, *, wrist: float | None = None) -> Protocol:
+    """A random protocol; `wrist` is the full length (m) of a tension-driven tube recorded notch by notch."""
+    runs_wanted = int(rng.choice([2, 3, 3, 4, 4, 5, 6]))
+    total = int(np.exp(rng.uniform(np.log(120), np.log(800))))
+    dt = float(np.exp(rng.uniform(np.log(0.02), np.log(0.5))))
+    jitter = float(rng.choice([0.0, 0.0, 0.05, 0.2]))
+    if wrist is not None:
+        lengths = [wrist]
+    else:
+        number = int(rng.choice([1, 2, 3, 3, 4], p=[0.2, 0.25, 0.2, 0.2, 0.15]))
+        lengths = list(np.round(np.linspace(rng.uniform(10, 20), rng.uniform(28, 40), number), 1) * 1e-3) if number > 1 else [
+            round(rng.uniform(12, 40), 1) * 1e-3]
+    style = rng.choice(["mixed", "load", "triangle", "partial", "cycles", "ladder"], p=[0.5, 0.1, 0.12, 0.12, 0.08, 0.08])
+    palette = ["load", "triangle", "triangle", "partial", "partial", "ladder", "ladder_down", "cycles", "rates"]
+    kinds = [str(rng.choice(palette)) if style == "mixed" else str(style) for _ in range(runs_wanted)]
+    several_pairs = wrist is None and outers * middles > 1 and rng.random() < 0.15
+    weights = np.array([{"load": 1.0, "triangle": 1.6}.get(kind, 2.4) for kind in kinds])
+    counts = np.maximum((total * weights / weights.sum()).astype(int), 25)
+    slack = bool(rng.random() < 0.6)
+    plans = []
+    for index, (kind, count) in enumerate(zip(kinds, counts, strict=True)):
+        pace = float(rng.choice([1.0, 1.0, 0.4, 2.5]))
+        time, fraction, recorded = _run(rng, kind, int(count), dt * pace, jitter, 0.0)
+        outer = None if not outers else (int(rng.integers(outers)) if several_pairs else 0)
+        middle = int(rng.integers(middles)) if several_pairs else 0
+        plans.append(RunPlan(outer, middle, float(lengths[index % len(lengths)]), kind, time, fraction, recorded))
+    return Protocol(tuple(plans), "notch" if wrist is not None else str(rng.choice(["curvature", "curvature", "bend"])),
+                    bool(rng.random() < 0.75), bool(wrist is None and rng.random() < 0.35), slack, dt)
