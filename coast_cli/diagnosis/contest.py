@@ -1,0 +1,243 @@
+"""The contest: parameter errors, sensor artefacts and physics compete to explain what the base model leaves over.
+
+Each hypothesis is a set of effects, fitted together with the base parameters. Its score is its likelihood as noise of
+unknown level and colour, less the Occam factor of its parameters (Laplace's approximation of the evidence: MacKay,
+Neural Computation 4 (1992) 415). Sets grow one effect at a time, only while an effect earns its place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+
+import numpy as np
+
+from coast_cli.diagnosis.fit import Fit, fit
+from coast_cli.diagnosis.problem import Problem
+from coast_cli.effects.catalogue import CATALOGUE, in_order
+from coast_cli.effects.effect import Effect, Parameter, Scale
+from coast_cli.mechanics.section import FloatArray
+
+# Nats by which an effect must beat the set without it. Calibrated on simulated recordings, see examples/concealed.
+THRESHOLD = 7.0
+# Smallest effect that is named, in noise levels: below it lies the misfit that every record has.
+SMALLEST = 0.35
+# Hypotheses this many nats behind the leading one still count as telling the same.
+ALIKE = 4.0
+_FITTED_SINGLES = 9
+_FITTED_NEXT = 4
+_GROWN_FROM = 2
+
+
+@dataclass(frozen=True, slots=True)
+class Hypothesis:
+    """A fitted set of effects and its score in nats; the base model's own score is that of the empty set."""
+
+    fit: Fit
+    score: float
+
+    @property
+    def ids(self) -> tuple[str, ...]:
+        """Effect ids in the order in which they act."""
+        return self.fit.ids
+
+
+@dataclass(frozen=True, slots=True)
+class Contest:
+    """Everything that was fitted, best first; ``base`` is the model with refitted parameters alone."""
+
+    base: Hypothesis
+    tried: tuple[Hypothesis, ...]
+    leading: Hypothesis
+
+    def alternatives(self) -> tuple[Hypothesis, ...]:
+        """Return other sets that the data cannot tell from the leading one; none of them merely adds to it."""
+        leading = set(self.leading.ids)
+        return tuple(
+            other
+            for other in self.tried
+            if other.ids != self.leading.ids
+            and not leading < set(other.ids)
+            and other.score > self.leading.score - ALIKE
+        )
+
+
+def run_contest(problem: Problem, most_effects: int = 5) -> Contest:
+    """Fit and compare all sets worth comparing, up to ``most_effects`` effects."""
+    scales = problem.scales()
+    base = _hypothesis(problem, fit(problem), scales)
+    candidates = applicable(problem)
+    tried: dict[frozenset[str], Hypothesis] = {frozenset(): base}
+    leading = base
+    frontier = [base]
+    for size in range(1, most_effects + 1):
+        grown = []
+        for parent in frontier:
+            starts = screen(problem, parent.fit, [c for c in candidates if c.id not in parent.ids], scales)
+            for effect in starts[: _FITTED_SINGLES if size == 1 else _FITTED_NEXT]:
+                key = frozenset((*parent.ids, effect.id))
+                if key in tried:
+                    continue
+                effects = in_order((*parent.fit.effects, effect))
+                tried[key] = _hypothesis(problem, fit(problem, effects, parent.fit.coordinates), scales)
+                grown.append(tried[key])
+        grown.sort(key=lambda hypothesis: -hypothesis.score)
+        if not grown or not earns(problem, grown[0], leading):
+            break
+        leading = grown[0]
+        frontier = grown[:_GROWN_FROM]
+    ranked = sorted(tried.values(), key=lambda hypothesis: -hypothesis.score)
+    return Contest(base, tuple(ranked), leading)
+
+
+def earns(problem: Problem, larger: Hypothesis, smaller: Hypothesis) -> bool:
+    """Return whether a set explains enough more than another: in evidence, and in size against the noise."""
+    if larger.score - smaller.score < THRESHOLD:
+        return False
+    return size_of(problem, larger, smaller) >= SMALLEST
+
+
+def size_of(problem: Problem, larger: Hypothesis, smaller: Hypothesis) -> float:
+    """Return by how much two fits differ, as RMS in levels of the noise that the larger set leaves."""
+    change = np.sqrt(np.mean((larger.fit.residual - smaller.fit.residual) ** 2)) / larger.fit.evidence.level
+    if problem.tension_noise is None or larger.fit.tension_residual.size == 0:
+        return float(change)
+    witness = larger.fit.tension_residual - smaller.fit.tension_residual
+    return float(max(change, np.sqrt(np.mean(witness**2)) / larger.fit.tension_evidence.level))
+
+
+def applicable(problem: Problem) -> list[type[Effect]]:
+    """Return the effects that could show in this recording at all."""
+    runs = problem.runs
+    have = {
+        "stroke": runs[0].stroke is not None,
+        "time": all(run.time is not None for run in runs),
+        "release": any(int(np.sum(run.direction < 0)) >= 3 for run in runs),
+        "pairs": len(problem.joints) > 1,
+    }
+    fixed = {effect.id for effect in problem.fixed_effects}
+    return [e for e in CATALOGUE.values() if e.id not in fixed and all(have.get(need, True) for need in e.needs)]
+
+
+def screen(
+    problem: Problem, parent: Fit, candidates: Iterable[type[Effect]], scales: dict[Scale, float]
+) -> list[Effect]:
+    """Return a start for each candidate, best first, by how much of the residual a first step could take away.
+
+    Every start of every effect costs one prediction; base and effect parameters already there may move along (linear).
+    """
+    response, tension = problem.fitted(problem.predict(parent.coordinates, parent.effects))
+    weights = (max(parent.evidence.level, problem.noise), max(parent.tension_evidence.level, problem.tension_noise or 1.0))
+
+    def stacked(parts: tuple[FloatArray, FloatArray]) -> FloatArray:
+        return np.concatenate([parts[0] / weights[0], parts[1] / weights[1]])
+
+    residual = stacked((problem.observed, problem.observed_tension)) - stacked((response, tension))
+    nuisance = np.linalg.qr(_directions(problem, parent, stacked, stacked((response, tension))))[0]
+    left = residual - nuisance @ (nuisance.T @ residual)
+    found = []
+    for candidate in candidates:
+        best: tuple[float, Effect] | None = None
+        for start in starts_of(candidate, scales):
+            effects = in_order((*parent.effects, start))
+            moved = stacked(problem.fitted(problem.predict(parent.coordinates, effects)))
+            change = moved - stacked((response, tension))
+            change -= nuisance @ (nuisance.T @ change)
+            size = float(change @ change)
+            if size < 1e-12 * max(1.0, float(residual @ residual)):
+                continue
+            amount = float(change @ left) / size
+            gain = float(change @ left) ** 2 / size if amount > 0.0 else 0.0
+            if best is None or gain > best[0]:
+                best = gain, _scaled(start, amount)
+        if best is not None:
+            found.append(best)
+    found.sort(key=lambda pair: -pair[0])
+    return [effect for _, effect in found]
+
+
+def starts_of(effect: type[Effect], scales: dict[Scale, float]) -> list[Effect]:
+    """Return the starts of an effect on a recording with these scales."""
+    choices = [
+        [float(np.clip(start * scales[p.relative_to], p.low, p.high)) for start in p.starts] for p in effect.parameters
+    ]
+    names = [parameter.name for parameter in effect.parameters]
+    return [effect(**dict(zip(names, chosen, strict=True))) for chosen in product(*choices)]
+
+
+def _directions(
+    problem: Problem,
+    parent: Fit,
+    stacked: object,
+    origin: FloatArray,
+) -> FloatArray:
+    """Return how the prediction moves with each parameter that is already fitted, (n, q), one column a parameter."""
+    columns = []
+    for place in range(parent.coordinates.size):
+        moved = parent.coordinates.copy()
+        moved[place] += 1e-3
+        columns.append(stacked(problem.fitted(problem.predict(moved, parent.effects))) - origin)  # type: ignore[operator]
+    for index, effect in enumerate(parent.effects):
+        for parameter in effect.parameters:
+            value = getattr(effect, parameter.name)
+            step = 1e-3 * max(abs(value), (parameter.high - parameter.low) * 1e-3)
+            if value + step > parameter.high:
+                step = -step
+            changed = replace(effect, **{parameter.name: value + step})
+            effects = (*parent.effects[:index], changed, *parent.effects[index + 1 :])
+            columns.append(stacked(problem.fitted(problem.predict(parent.coordinates, effects))) - origin)  # type: ignore[operator]
+    scaled = [column / norm for column in columns if (norm := float(np.linalg.norm(column))) > 0.0]
+    return np.stack(scaled, axis=1) if scaled else np.zeros((origin.size, 1))
+
+
+def _scaled(effect: Effect, amount: float) -> Effect:
+    """Move the effect's leading amplitude (its first parameter with a null of its own) by the linear estimate."""
+    for parameter in effect.parameters:
+        value = getattr(effect, parameter.name)
+        if parameter.name == _amplitude(type(effect)).name:
+            wanted = parameter.null + (value - parameter.null) * float(np.clip(amount, 0.1, 4.0))
+            span = parameter.high - parameter.low
+            inside = float(np.clip(wanted, parameter.low + 1e-6 * span, parameter.high - 1e-6 * span))
+            return replace(effect, **{parameter.name: inside})
+    return effect
+
+
+def _amplitude(effect: type[Effect]) -> Parameter:
+    """Return the parameter whose null makes the effect vanish."""
+    null = effect.null()
+    for parameter in effect.parameters:
+        other = replace(null, **{parameter.name: parameter.starts[-1]})
+        if other != null and parameter.null == getattr(null, parameter.name) and _vanishes(effect, parameter):
+            return parameter
+    return effect.parameters[0]
+
+
+def _vanishes(effect: type[Effect], parameter: Parameter) -> bool:
+    return parameter.name not in {"knee_n", "knee_strain", "closure_ratio", "curvature_per_m"} or len(effect.parameters) == 1
+
+
+def _hypothesis(problem: Problem, fitted: Fit, scales: dict[Scale, float]) -> Hypothesis:
+    return Hypothesis(fitted, fitted.log_likelihood - _occam(problem, fitted, scales))
+
+
+def _occam(problem: Problem, fitted: Fit, scales: dict[Scale, float]) -> float:
+    """Return the log of prior over posterior width of the effect parameters, in nats; useless ones cost nothing."""
+    size = len(problem.base)
+    widths = np.array([_prior_width(p, scales) for effect in fitted.effects for p in effect.parameters])
+    if widths.size == 0:
+        return 0.0
+    precision = np.linalg.pinv(fitted.covariance[size:, size:], hermitian=True)
+    scaled = precision * np.outer(widths, widths) + np.eye(widths.size)
+    return 0.5 * float(np.linalg.slogdet(scaled)[1])
+
+
+def _prior_width(parameter: Parameter, scales: dict[Scale, float]) -> float:
+    scale = scales[parameter.relative_to]
+    reach = [abs(start * scale - (parameter.null if not parameter.relative_to else 0.0)) for start in parameter.starts]
+    return 2.0 * max(*reach, 1e-9) if len(reach) > 1 else 2.0 * max(reach[0], 1e-9)
+
+
+def summary_of(effects: Sequence[Effect]) -> str:
+    """Return the ids of a set in words."""
+    return " + ".join(effect.id for effect in effects) or "base model"
