@@ -25,12 +25,14 @@ class Design:
             gravity), a middle tube's negative (along it) for a positive number in the file.
         gravity: m/s^2.
         config: the document it was built from.
+        notes: what the user should know of the tubes, e.g. that one lies outside the table of end effects.
     """
 
     outer: tuple[NotchedTube, ...]
     middle: tuple[NotchedTube, ...]
     gravity: float
     config: Config
+    notes: tuple[str, ...] = ()
 
     @property
     def joint_pair(self) -> str | None:
@@ -57,20 +59,36 @@ class Design:
             )  # fmt: skip
         return tubes[name]
 
-    def fault(self, outer: str | None, middle: str) -> str | None:
-        """Return why a pair cannot be assembled, or None where it can."""
-        bench = {tube.name: tube for role in ("outer", "middle") for tube in bench_tubes(self.config, role)}
-        return assembly_fault(self.config, bench[outer] if outer else None, bench[middle])
+    def pair(self, asked: str | None = None) -> tuple[str | None, str]:
+        """Return (outer or None, middle) of the pair asked for, or of ``joint_pair``.
+
+        Raises:
+            BadInput: a tube is unknown, or none is asked for and the configuration leaves it open.
+        """
+        if asked is not None:
+            return pair_names(self.config, asked, path=("--pair",))
+        if self.joint_pair is None:
+            raise self.config.refuse(
+                ("joint", "pair"), "which pair is meant is not said", allowed="joint.pair in the file, or --pair"
+            )
+        return pair_names(self.config, self.joint_pair)
+
+    def joint(self, asked: str | None = None) -> Joint:
+        """Return the joint of the pair asked for, or of ``joint_pair``.
+
+        Raises:
+            BadInput: as ``pair`` and ``build_joint``.
+        """
+        return build_joint(self.config, *self.pair(asked))
 
 
 def build(config: Config) -> Design:
     """Return the design a configuration describes."""
-    return Design(
-        outer=tuple(build_tube(config, tube) for tube in bench_tubes(config, "outer")),
-        middle=tuple(build_tube(config, tube) for tube in bench_tubes(config, "middle")),
-        gravity=config.environment.gravity_m_per_s2,
-        config=config,
+    notes: dict[str, None] = {}  # each once, in order
+    outer, middle = (
+        tuple(build_tube(config, tube, notes) for tube in bench_tubes(config, role)) for role in ("outer", "middle")
     )
+    return Design(outer, middle, config.environment.gravity_m_per_s2, config, tuple(notes))
 
 
 def build_joint(config: Config, outer: str | None, middle: str) -> Joint:
@@ -81,7 +99,7 @@ def build_joint(config: Config, outer: str | None, middle: str) -> Joint:
     """
     if config.joint is None:
         raise config.refuse((), "there is no [joint] table", hint="Run `coast explain joint` for what it holds.")
-    pair_names(config, middle if outer is None else f"{outer}/{middle}")
+    pair_names(config, middle if outer is None else f"{outer}/{middle}", path=("joint",))
     outer_tube = None if outer is None else _named(config, "outer", outer)
     middle_tube = _named(config, "middle", middle)
     fault = assembly_fault(config, outer_tube, middle_tube)
@@ -111,8 +129,8 @@ def build_tendon(config: Config) -> Tendon | None:
     )
 
 
-def build_tube(config: Config, tube: BenchTube) -> NotchedTube:
-    """Return one tube in SI units, its natural curvature signed by its role."""
+def build_tube(config: Config, tube: BenchTube, notes: dict[str, None] | None = None) -> NotchedTube:
+    """Return one tube in SI units, its natural curvature signed by its role; what it says is added to ``notes``."""
     material = config.materials[tube.material]
     depth = np.array(tube.depth_mm) * MILLIMETRE
     return NotchedTube(
@@ -126,22 +144,26 @@ def build_tube(config: Config, tube: BenchTube) -> NotchedTube:
         density=material.density_kg_per_m3,
         natural_curvature=(1.0 if tube.role == "outer" else -1.0) * tube.natural_curvature_per_m,
         section=tube.section,
-        end_length=_end_length(tube),
+        end_length=_end_length(tube, {} if notes is None else notes),
     )
 
 
-def _end_length(tube: BenchTube) -> FloatArray | float:
+def _end_length(tube: BenchTube, notes: dict[str, None]) -> FloatArray | float:
     if tube.end_effect == "none":
         return 0.0
     if tube.end_effect == "table":
         from coast_cli.mechanics.end_effect import end_length
 
-        return end_length(
+        lengths, remarks = end_length(
             outer_radius=tube.outer_diameter_mm / 2.0 * MILLIMETRE,
             inner_radius=tube.inner_diameter_mm / 2.0 * MILLIMETRE,
             depth=np.array(tube.depth_mm) * MILLIMETRE,
+            cut=tube.cut_mm * MILLIMETRE,
             uncut=tube.uncut_mm * MILLIMETRE,
+            kind=tube.section,
         )
+        notes.update((f"{tube.name}: {remark}.", None) for remark in remarks)
+        return lengths
     return np.array(tube.end_effect) * MILLIMETRE
 
 

@@ -62,7 +62,7 @@ class TubeFields(Document):
         None, description="notch depth from the outer surface, mm; a list has one depth for each notch, clamp to tip"
     )
     natural_curvature_per_m: Curvature | None = Field(
-        None, description="curvature left by the laser, 1/m: an outer tube bends against gravity, a middle tube along it"
+        None, description="curvature left by the laser, 1/m; an outer tube bends against gravity, a middle one along"
     )
     section: SectionChoice | None = Field(None, description="what a notch leaves: radial walls or a straight cut")
     end_effect: EndEffect | None = Field(
@@ -163,15 +163,16 @@ class Origin:
         self, path: Path, message: str, *, found: object = None, allowed: str | None = None, hint: str | None = None
     ) -> BadInput:
         """Return the error that says what is wrong at a key, placed at the key or at its nearest table."""
-        place: Position | tuple[None, None] = (None, None)
-        for end in range(len(path), 0, -1):
-            if path[:end] in self.positions:
-                place = self.positions[path[:end]]
-                break
+        place = self.place(path)
+        line, column = (None, None) if place is None else place
         return BadInput(
-            message, file=self.file, line=place[0], column=place[1], key=dotted(path), found=found, allowed=allowed,
-            hint=hint,
-        )  # fmt: skip
+            message, file=self.file, line=line, column=column, key=dotted(path), found=found, allowed=allowed, hint=hint
+        )
+
+    def place(self, path: Path) -> Position | None:
+        """Return where a key stands, or else the nearest table above it."""
+        ends = range(len(path), 0, -1)
+        return next((self.positions[path[:end]] for end in ends if path[:end] in self.positions), None)
 
 
 class Config(Document):
@@ -200,6 +201,11 @@ class Config(Document):
     def refuse(self, path: Path, message: str, **facts: Any) -> BadInput:  # noqa: ANN401
         """Return the error that says what is wrong at a key; see ``Origin.refuse``."""
         return self._origin.refuse(path, message, **facts)
+
+    def line(self, *path: str | int) -> int | None:
+        """Return the line of a key, or of the nearest table above it."""
+        place = self._origin.place(path)
+        return None if place is None else place.line
 
     def bounds(self, key: str) -> tuple[float, float, float]:
         """Return (value, min, max) of a number by its dotted key, e.g. ``joint.youngs_modulus_gpa``.

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     from coast_cli.spec import positions
 
+REFERENCE = Path(__file__).with_name("reference.toml")
 LARGEST_FILE = 50_000_000
 _ADVICE = {
     "missing": "a required key is missing",

@@ -50,9 +50,10 @@ def check_design(config: Config) -> None:
     tubes = {role: bench_tubes(config, role) for role in ("outer", "middle")}
     _check_fits(config)
     if tubes["outer"] and tubes["middle"]:
-        reasons = [assembly_fault(config, outer, middle) for outer in tubes["outer"] for middle in tubes["middle"]]
-        if all(reasons):
-            raise config.refuse(("middle", "outer_diameter_mm"), f"no pair can be assembled: {reasons[0]}")
+        faults = (assembly_fault(config, outer, middle) for outer in tubes["outer"] for middle in tubes["middle"])
+        if all(faults):
+            reason = assembly_fault(config, tubes["outer"][0], tubes["middle"][0])
+            raise config.refuse(("middle", "outer_diameter_mm"), f"no pair can be assembled: {reason}")
     if config.joint is not None and config.joint.pair is not None:
         pair_names(config, config.joint.pair)
     _check_limits(config)

@@ -1,0 +1,59 @@
+"""The program's entry, and the one place where an error becomes text on stderr and an exit code.
+
+0 fine, 1 checked and the answer is no, 2 usage, 3 bad input, 4 not converged (or a fault of the program itself), 130
+interrupted.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+
+from coast_cli.errors import CoastError
+
+INTERRUPTED = 130
+INTERNAL = 4
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command line and return its exit code; ``arguments`` stand for ``sys.argv[1:]``."""
+    from coast_cli.cli.app import run
+
+    try:
+        return run(sys.argv[1:] if arguments is None else list(arguments))
+    except KeyboardInterrupt:
+        sys.stderr.write("coast: interrupted.\n")
+        return INTERRUPTED
+    except BrokenPipeError:
+        # The reader has left (coast ... | head): nothing is wrong, and nothing more can be said.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except Exception as error:  # noqa: BLE001  # the one place that catches everything
+        text, code = _explain(error)
+        sys.stderr.write(f"coast: {text}\n")
+        return code
+
+
+def _explain(error: Exception) -> tuple[str, int]:
+    from typer.exceptions import TyperException
+
+    if isinstance(error, CoastError):
+        return str(error), error.exit_code
+    if isinstance(error, TyperException):
+        return f"{str(error).rstrip('.')}. Try `coast --help`, or --help after a command.", error.exit_code
+    kind, place = type(error).__name__, _last_line(error)
+    return f"internal error, please report it: {kind} at {place}: {error}", INTERNAL
+
+
+def _last_line(error: Exception) -> str:
+    """Return the module and line that raised, which a report needs and a traceback would bury."""
+    from pathlib import Path
+    from traceback import extract_tb
+
+    frames = [frame for frame in extract_tb(error.__traceback__) if "coast_cli" in frame.filename]
+    return f"{Path(frames[-1].filename).name}:{frames[-1].lineno}" if frames else "unknown place"
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,52 @@
+"""The command line as a whole: which commands there are, and that only the one asked for is loaded."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Annotated, Any
+
+import typer
+
+# Each command and where its function is; `coast --help` loads them all, so their modules import nothing heavy.
+COMMANDS = {
+    "rank-pairs": "coast_cli.cli.rank_pairs:rank_pairs",
+    "stroke": "coast_cli.cli.stroke:stroke",
+    "beam": "coast_cli.cli.beam:beam",
+    "check": "coast_cli.cli.check:check",
+    "validate": "coast_cli.cli.validate:validate",
+    "init": "coast_cli.cli.init:init",
+    "schema": "coast_cli.cli.schema:schema",
+    "explain": "coast_cli.cli.explain:explain",
+}
+
+
+def run(arguments: list[str]) -> int:
+    """Run one command line and return its exit code.
+
+    Raises:
+        CoastError: what the command refuses.
+        typer.exceptions.TyperException: what typer refuses of the command line.
+    """
+    asked = next((word for word in arguments if not word.startswith("-")), None)
+    known = [asked] if asked in COMMANDS else list(COMMANDS)
+    code = _app(known)(args=arguments, standalone_mode=False)
+    return code if isinstance(code, int) else 0
+
+
+def _app(names: list[str]) -> Any:  # noqa: ANN401
+    app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
+    app.callback(invoke_without_command=False)(_coast)
+    for name in names:
+        module, function = COMMANDS[name].split(":")
+        app.command(name)(getattr(import_module(module), function))
+    return app
+
+
+def _coast(
+    *, version: Annotated[bool, typer.Option("--version", help="Print the version and stop.", is_eager=True)] = False
+) -> None:
+    """Design and test the COAST guidewire robot: rank notched tube pairs, make stroke tables, check designs.
+
+    Data goes to stdout, everything else to stderr. Exit codes: 0 fine, 1 checked and the answer is no, 2 usage,
+    3 bad input, 4 not converged.
+    """

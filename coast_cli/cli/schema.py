@@ -1,0 +1,25 @@
+"""``coast schema``: the JSON Schema of a configuration, for editors."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def schema(
+    *, output: Annotated[list[Path] | None, typer.Option("--output", "-o", help="write it to a .json file")] = None
+) -> None:
+    """Print the JSON Schema (draft 2020-12) of a configuration; editors complete and check TOML with it."""
+    import json
+    import sys
+
+    from coast_cli.output.atomic import write_files
+    from coast_cli.spec.schema import config_schema
+
+    text = json.dumps(config_schema(), indent=2) + "\n"
+    if output:
+        write_files({path: lambda stream: stream.write(text) for path in output})
+    else:
+        sys.stdout.write(text)

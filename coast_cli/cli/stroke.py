@@ -1,0 +1,57 @@
+"""``coast stroke``: what tendon stroke bends the joint how far, and back."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from coast_cli.cli.options import FormatOption, OutputOption, PairOption, numbers
+
+WORKING_COPY = Path("configs/tubes.toml")
+
+
+def stroke(
+    config: Annotated[
+        Path | None,
+        typer.Argument(metavar="[CONFIG]", help="configuration; else configs/tubes.toml, else the shipped one"),
+    ] = None,
+    *,
+    kappa: Annotated[str | None, typer.Option(help="curvatures, 1/m: 20 or 20,30 or 0:40:5")] = None,
+    x2: Annotated[str, typer.Option("--x2", help="bending lengths, mm: as for --kappa")],
+    stroke: Annotated[str | None, typer.Option(help="strokes, mm, instead of curvatures: what they reach")] = None,
+    pair: PairOption = None,
+    format: FormatOption = None,
+    output: OutputOption = None,
+) -> None:
+    """Print the stroke, tension, strain and tip for curvatures and bending lengths; --stroke inverts.
+
+    Valid for increasing stroke: on release the real joint lags.
+    """
+    from coast_cli.design.stroke import stroke_table
+    from coast_cli.errors import UsageError
+    from coast_cli.output.answer import Answer, Columns
+    from coast_cli.output.provenance import provenance
+    from coast_cli.output.write import say, write_answer
+    from coast_cli.spec.build import build
+    from coast_cli.spec.load import REFERENCE, load_config
+    from coast_cli.units import MILLIMETRE
+
+    if (kappa is None) == (stroke is None):
+        raise UsageError("give either --kappa (curvatures) or --stroke (to invert).")
+    if config is None:
+        config = WORKING_COPY if WORKING_COPY.exists() else REFERENCE
+        name = config if config == WORKING_COPY else "the reference input that ships in the package"
+        say(f"no CONFIG given: reading {name}.")
+    document = load_config(config)
+    design = build(document)
+    joint = design.joint(pair)
+    columns, notes = stroke_table(
+        joint,
+        [value * MILLIMETRE for value in numbers(x2, "--x2")],
+        curvatures=[] if kappa is None else numbers(kappa, "--kappa"),
+        strokes=[] if stroke is None else [value * MILLIMETRE for value in numbers(stroke, "--stroke")],
+    )
+    answer = Answer("stroke", Columns(columns), provenance(document), (*design.notes, *notes))
+    write_answer(answer, format, output or ())

@@ -1,0 +1,1 @@
+"""Many designs at once: ranking pairs, stroke tables, and checks against limits."""

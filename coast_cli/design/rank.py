@@ -1,0 +1,190 @@
+"""Ranking of tube pairs: every outer with every middle tube, scored, and marked where no other pair is better in all.
+
+Each of total pre-curvature, |ln(rigidity ratio)| and total rigidity is scaled to 0..1 over the pairs; the score is the
+weighted root of the sum of their squares, smaller is better. All pairs at once, in arrays, the middle tube slowest.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coast_cli.design.pairs import PairTable, pair_table
+from coast_cli.errors import UsageError
+from coast_cli.mechanics.pair import Assembly
+from coast_cli.mechanics.section import FloatArray, SectionKind
+from coast_cli.spec.build import Design, build
+from coast_cli.spec.config import Config
+
+Rigidity = Literal["mean", "series"]
+RIGIDITIES: tuple[Rigidity, ...] = get_args(Rigidity)
+
+
+@dataclass(frozen=True)
+class RankOptions:
+    """How to rank: which rigidity, which assembly, which section for every tube (None: each its own), which weights."""
+
+    rigidity: Rigidity = "mean"
+    assembly: Assembly = "separate"
+    section: SectionKind | None = None
+    weights: tuple[float, ...] = (1.0, 1.0, 1.0)
+
+    def __post_init__(self) -> None:
+        """Check the weights.
+
+        Raises:
+            UsageError: they are not three numbers from 0 with one above 0.
+        """
+        if len(self.weights) != 3 or min(self.weights) < 0.0 or max(self.weights) == 0.0:
+            raise UsageError("--weights: allowed: three numbers from 0, at least one of them above 0.")
+
+
+@dataclass(frozen=True)
+class Ranking:
+    """The pairs in order.
+
+    Attributes:
+        columns: by name, each with one entry a pair, best first; figures of an impossible pair are None.
+        notes: what the ranking leaves open, for the user.
+    """
+
+    columns: Mapping[str, Sequence[Any]]
+    notes: tuple[str, ...]
+
+
+def rank(config: Config, options: RankOptions | None = None) -> Ranking:
+    """Rank every pair of a configuration.
+
+    Raises:
+        BadInput: there are not both outer and middle tubes.
+    """
+    options = options or RankOptions()
+    for role in ("outer", "middle"):
+        if getattr(config, role) is None:
+            raise config.refuse((), f"a pair needs an outer and a middle tube, and there is no [{role}] table")
+    design = _with_section(build(config), options.section)
+    pairs = pair_table(design.outer, design.middle, design.gravity, options.assembly)
+    reasons = _reasons(design, pairs)
+    possible = reasons == ""
+    scores = {rigidity: _scores(pairs, rigidity, options.weights, possible) for rigidity in RIGIDITIES}
+    order = np.argsort(scores[options.rigidity], kind="stable")
+    columns = _columns(design, pairs, reasons, scores[options.rigidity], options.rigidity, order)
+    return Ranking(columns, _notes(design, options.rigidity, scores, columns))
+
+
+def pareto(costs: FloatArray) -> NDArray[np.bool_]:
+    """Return which rows of ``costs``, shape (n, k), no other row matches in every column and beats in one.
+
+    Rows are met in order of their sum, so each row met is undominated and strikes out what it dominates.
+    """
+    undominated = np.zeros(len(costs), dtype=bool)
+    left = np.argsort(costs.sum(axis=1), kind="stable")
+    while left.size:
+        row = costs[left[0]]
+        equal = np.all(costs[left] == row, axis=1)
+        undominated[left[equal]] = True
+        left = left[np.any(costs[left] < row, axis=1)]
+    return undominated
+
+
+def _with_section(design: Design, section: SectionKind | None) -> Design:
+    if section is None:
+        return design
+    outer, middle = (
+        tuple(replace(tube, section=section) for tube in tubes) for tubes in (design.outer, design.middle)
+    )
+    return replace(design, outer=outer, middle=middle)
+
+
+def _costs(pairs: PairTable, rigidity: Rigidity) -> FloatArray:
+    ratio, total = (
+        (pairs.ratio_mean, pairs.total_mean) if rigidity == "mean" else (pairs.ratio_series, pairs.total_series)
+    )
+    return np.stack((pairs.total_precurvature, np.abs(np.log(ratio)), total), axis=1)
+
+
+def _scores(
+    pairs: PairTable, rigidity: Rigidity, weights: Sequence[float], possible: NDArray[np.bool_]
+) -> FloatArray:
+    """Return the score of each pair, infinite for an impossible one."""
+    scores = np.full(possible.size, np.inf)
+    if np.any(possible):
+        costs = _costs(pairs, rigidity)[possible]
+        low, high = costs.min(axis=0), costs.max(axis=0)
+        scaled = (costs - low) / np.where(high > low, high - low, 1.0)
+        scores[possible] = np.sqrt((np.array(weights) * scaled**2).sum(axis=1))
+    return scores
+
+
+def _reasons(design: Design, pairs: PairTable) -> NDArray[np.object_]:
+    """Return why each pair cannot be assembled or solved, an empty string where it can."""
+    outer_bore = np.array([tube.inner_radius for tube in design.outer])
+    middle_radius = np.array([tube.outer_radius for tube in design.middle])
+    middle_bore = np.array([tube.inner_radius for tube in design.middle])
+    reasons = np.full((len(design.middle), len(design.outer)), "", dtype=object)
+    reasons[~pairs.converged.reshape(reasons.shape)] = "the beam under gravity did not converge"
+    if design.config.inner is not None:
+        inner = design.config.inner.outer_diameter_mm / 2e3
+        reasons[inner >= middle_bore, :] = "the inner tube does not go into the middle tube"
+    reasons[middle_radius[:, None] >= outer_bore] = "the middle tube does not go into the outer tube"
+    return reasons.ravel()
+
+
+def _columns(
+    design: Design,
+    pairs: PairTable,
+    reasons: NDArray[np.object_],
+    scores: FloatArray,
+    rigidity: Rigidity,
+    order: NDArray[np.intp],
+) -> dict[str, Sequence[Any]]:
+    possible = reasons == ""
+    best = np.zeros(order.size, dtype=bool)
+    best[possible] = pareto(_costs(pairs, rigidity)[possible])
+    number_outer = len(design.outer)
+    outer = np.array([tube.name for tube in design.outer], dtype=object)
+    middle = np.array([tube.name for tube in design.middle], dtype=object)
+
+    def figure(values: NDArray[Any]) -> NDArray[np.object_]:
+        known = values.astype(object)
+        known[~possible] = None
+        return known[order]
+
+    return {
+        "rank": np.arange(1, order.size + 1),
+        "sample": np.char.add("S", (order + 1).astype(str)),
+        "outer": outer[order % number_outer],
+        "middle": middle[order // number_outer],
+        "total_precurvature_rad": figure(pairs.total_precurvature),
+        "signed_precurvature_rad": figure(pairs.signed_precurvature),
+        "rigidity_ratio_mean": figure(pairs.ratio_mean),
+        "rigidity_ratio_series": figure(pairs.ratio_series),
+        "total_rigidity_mean_n_m2": figure(pairs.total_mean),
+        "total_rigidity_series_n_m2": figure(pairs.total_series),
+        "score": figure(scores),
+        "pareto": best[order],
+        "leading_tube": figure(np.where(pairs.signed_precurvature > 0.0, "outer", "middle")),
+        "reason": np.where(reasons == "", None, reasons)[order],
+    }
+
+
+def _notes(
+    design: Design, rigidity: Rigidity, scores: Mapping[Rigidity, FloatArray], columns: Mapping[str, Sequence[Any]]
+) -> tuple[str, ...]:
+    notes = list(design.notes)
+    if not np.isfinite(scores[rigidity]).any():
+        return (*notes, "no pair can be assembled.")
+    other: Rigidity = "series" if rigidity == "mean" else "mean"
+    first = {name: int(np.argmin(scores[name])) for name in RIGIDITIES}
+    if first[other] == first[rigidity]:
+        notes.append(f"by {other} rigidity the same pair ranks first.")
+    else:
+        name = f"{design.outer[first[other] % len(design.outer)].name}/{design.middle[first[other] // len(design.outer)].name}"
+        notes.append(f"by {other} rigidity another pair, S{first[other] + 1} ({name}), ranks first.")
+    if columns["leading_tube"][0] == "outer":
+        notes.append("the outer tube leads the first pair: snapping was seen where it does.")
+    return tuple(notes)

@@ -1,0 +1,79 @@
+"""The shape of tubes under gravity as columns of points, at the ends of their pieces or evenly spaced."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+
+from coast_cli.errors import NotConverged
+from coast_cli.mechanics.beam import BeamSolution, solve_segments
+from coast_cli.mechanics.section import FloatArray
+from coast_cli.mechanics.tube import NotchedTube
+from coast_cli.units import DEGREE, MILLIMETRE
+
+
+def shape_columns(
+    tubes: Sequence[NotchedTube], gravity: float, *, method: Literal["arc", "projected"], points: int | None = None
+) -> dict[str, Sequence[object]]:
+    """Return the columns of the shapes of several tubes, one after the other.
+
+    Args:
+        tubes: clamped along +x. gravity: along -y, m/s^2.
+        method: "arc" for any angle, "projected" for the paper's own, which ends at 90 degrees.
+        points: evenly spaced in arc length; None for the ends of each constant piece.
+
+    The curvature is that just before a point (at the clamp, just after): it jumps where a notch begins and ends.
+
+    Raises:
+        NotConverged: a shape was not found; the message says what to change.
+    """
+    shapes = [_shape(tube, gravity, method, points) for tube in tubes]
+    return {
+        "tube": [tube.name for tube, (s, *_) in zip(tubes, shapes, strict=True) for _ in s],
+        "arc_length_mm": np.concatenate([s for s, *_ in shapes]) / MILLIMETRE,
+        "x_mm": np.concatenate([x for _, x, *_ in shapes]) / MILLIMETRE,
+        "y_mm": np.concatenate([y for _, _, y, *_ in shapes]) / MILLIMETRE,
+        "angle_deg": np.concatenate([angle for *_, angle, _ in shapes]) / DEGREE,
+        "curvature_per_m": np.concatenate([curvature for *_, curvature in shapes]),
+    }
+
+
+def _shape(
+    tube: NotchedTube, gravity: float, method: str, points: int | None
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Return s, x, y (m), angle (rad) and curvature (1/m) at the asked points."""
+    pieces = tube.segments
+    ends = np.concatenate(([0.0], np.cumsum(pieces.length)))
+    asked = ends if points is None else np.linspace(0.0, ends[-1], points)
+    if method == "projected":
+        from coast_cli.mechanics.beam_projected import solve_beam_projected
+
+        return _interpolated(_converged(solve_beam_projected(tube, gravity), tube), asked)
+    # The asked points become ends of pieces, so that nothing is interpolated.
+    nodes = np.unique(np.concatenate((ends, asked)))
+    piece = np.minimum(np.searchsorted(ends, 0.5 * (nodes[1:] + nodes[:-1])), ends.size - 1) - 1
+    rigidity = pieces.rigidity[piece]
+    solution = _converged(
+        solve_segments(
+            np.diff(nodes), rigidity, pieces.weight[piece], tube.natural_curvature, gravity=(0.0, -gravity)
+        ).beam(0),
+        tube,
+    )
+    at = np.searchsorted(nodes, asked)
+    before = np.maximum(at - 1, 0)
+    curvature = tube.natural_curvature + solution.moment[at] / rigidity[before]
+    return asked, solution.x[at], solution.y[at], solution.angle[at], curvature
+
+
+def _interpolated(solution: BeamSolution, asked: FloatArray) -> tuple[FloatArray, ...]:
+    x, y, angle = (np.interp(asked, solution.s, values) for values in (solution.x, solution.y, solution.angle))
+    piece = np.clip(np.searchsorted(solution.s, asked) - 1, 0, solution.curvature.size - 1)
+    return asked, x, y, angle, solution.curvature[piece]
+
+
+def _converged(solution: BeamSolution, tube: NotchedTube) -> BeamSolution:
+    if not solution.verdict.converged:
+        raise NotConverged(f"{tube.name}: {solution.verdict.message}.")
+    return solution

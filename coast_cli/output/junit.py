@@ -1,0 +1,37 @@
+"""JUnit XML of checks, as CI systems read it: a suite a configuration, a test case a limit."""
+
+from __future__ import annotations
+
+from itertools import groupby
+from typing import IO
+from xml.etree import ElementTree as Xml
+
+from coast_cli.output.answer import Answer, Row
+
+
+def render(answer: Answer, stream: IO[str]) -> None:
+    """Write the rows of ``coast check`` as a JUnit report."""
+    root = Xml.Element("testsuites", _counts(list(answer.rows)))
+    for config, group in groupby(answer.rows, key=lambda row: row["config"]):
+        rows = list(group)
+        suite = Xml.SubElement(root, "testsuite", {"name": str(config), **_counts(rows)})
+        for row in rows:
+            name = f"{row['pair']} {row['check']} {row['bound']}"
+            case = Xml.SubElement(suite, "testcase", {"classname": str(config), "name": name, "time": "0"})
+            if not row["passed"]:
+                failure = Xml.SubElement(case, "failure", {"message": sentence(row), "type": "limit"})
+                failure.text = f"{row['config']}:{row['line']}: {sentence(row)}"
+    Xml.indent(root)
+    stream.write('<?xml version="1.0" encoding="UTF-8"?>\n')
+    stream.write(Xml.tostring(root, encoding="unicode") + "\n")
+
+
+def sentence(row: Row) -> str:
+    """Return what a row of ``coast check`` says."""
+    relation = "within" if row["passed"] else "past"
+    return f"{row['pair']}: {row['check']} is {row['value']:.5g}, {relation} its {row['bound']} of {row['limit']:.5g}"
+
+
+def _counts(rows: list[Row]) -> dict[str, str]:
+    failures = sum(not row["passed"] for row in rows)
+    return {"tests": str(len(rows)), "failures": str(failures), "errors": "0", "skipped": "0", "time": "0"}

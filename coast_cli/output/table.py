@@ -1,0 +1,57 @@
+"""Tables for people: five digits, units in the headings, wide rows on one line, no column without a value."""
+
+from __future__ import annotations
+
+from typing import IO
+
+from coast_cli.output.answer import Answer, Cell
+
+_WIDEST = 10_000  # the terminal may wrap a line; the table never drops a column
+
+
+def render(answer: Answer, stream: IO[str]) -> None:
+    """Write the answer as an aligned table, with a last line that names its inputs."""
+    from rich.box import SIMPLE_HEAD
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(box=SIMPLE_HEAD, pad_edge=False, show_edge=False)
+    names = [name for name in (answer.rows[0] if answer.rows else ()) if any(row[name] is not None for row in answer.rows)]
+    for name in names:
+        numeric = any(isinstance(row[name], int | float) for row in answer.rows[:100])
+        table.add_column("\n".join(_heading(name)), justify="right" if numeric else "left", vertical="bottom")
+    for row in answer.rows:
+        table.add_row(*(Text(_cell(row[name]), style=_style(row[name])) for name in names))
+    console = Console(file=stream, width=_WIDEST, highlight=False, soft_wrap=True)
+    with console.capture() as capture:
+        console.print(table)
+    stream.writelines(f"{line.rstrip()}\n" for line in capture.get().splitlines())
+    for config in answer.provenance.get("configs", ()):
+        stream.write(f"\n{config['file']}  sha256 {config['sha256'][:16]}  coast {answer.provenance['versions']['coast']}")
+    stream.write("\n")
+
+
+def _heading(name: str, width: int = 14) -> list[str]:
+    """Break a long column name at its underscores."""
+    lines = [""]
+    for word in name.split("_"):
+        joined = f"{lines[-1]}_{word}" if lines[-1] else word
+        if len(joined) <= width or not lines[-1]:
+            lines[-1] = joined
+        else:
+            lines[-1] += "_"
+            lines.append(word)
+    return lines
+
+
+def _cell(value: Cell) -> str:
+    if value is None:
+        return "-"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return f"{value:.5g}" if isinstance(value, float) else str(value)
+
+
+def _style(value: Cell) -> str:
+    return "bold red" if value is False else ""

@@ -1,0 +1,60 @@
+"""Send an answer where the user wants it: to stdout in one format, and to files by their suffix."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from functools import partial
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from coast_cli.errors import UsageError
+from coast_cli.output.answer import Answer
+from coast_cli.output.atomic import write_files
+
+FORMATS = ("table", "json", "csv")
+SUFFIXES = {".txt": "table", ".json": "json", ".csv": "csv", ".xml": "junit"}
+
+
+def write_answer(
+    answer: Answer, format: str | None, outputs: Sequence[Path] = (), *, formats: Sequence[str] = FORMATS
+) -> None:
+    """Write the answer to every file of ``outputs``, and to stdout where a format is named or no file is.
+
+    Args:
+        answer: what the command found.
+        format: for stdout; None is "table", or nothing where there are ``outputs``.
+        outputs: files; the suffix says the format. All of them appear, or none.
+        formats: what this command can write.
+
+    Raises:
+        UsageError: an unknown format or suffix, or a file that cannot be written.
+        NotConverged: a NaN or an infinity in the answer.
+    """
+    if format is not None and format not in formats:
+        raise UsageError(f"--format {format}: not a format of `coast {answer.command}`; allowed: {', '.join(formats)}.")
+    renders = {path: _renderer(_format_of(path, formats)) for path in outputs}
+    answer.check_finite()
+    write_files({path: partial(render, answer) for path, render in renders.items()})
+    for note in answer.notes:
+        say(f"note: {note}")
+    if format is not None or not outputs:
+        _renderer(format or "table")(answer, sys.stdout)
+        sys.stdout.flush()
+
+
+def say(text: str) -> None:
+    """Tell the user something that is not data, on stderr."""
+    sys.stderr.write(f"coast: {text}\n")
+
+
+def _format_of(path: Path, formats: Sequence[str]) -> str:
+    known = {suffix: format for suffix, format in SUFFIXES.items() if format in formats}
+    if path.suffix.lower() not in known:
+        raise UsageError(f"-o {path}: the suffix does not say a format; allowed: {', '.join(known)}.")
+    return known[path.suffix.lower()]
+
+
+def _renderer(format: str) -> Any:  # noqa: ANN401
+    return import_module(f"coast_cli.output.{format}").render
