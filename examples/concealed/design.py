@@ -183,6 +183,10 @@ def _calibration(rng: np.random.Generator, joint: Joint) -> dict[str, tuple[floa
     return bounds
 
 
+def _notch(tube: Tube) -> str:
+    return f"notch = {{ cut_mm = {tube.cut * 1e3:.6g}, uncut_mm = {tube.uncut * 1e3:.6g}, count = {tube.count} }}"
+
+
 def config_text(robot: Robot) -> str:
     """The nominal configuration as TOML, in the format of the reference `tubes.toml`."""
     joint = robot.joint
@@ -201,10 +205,12 @@ def config_text(robot: Robot) -> str:
         first = tubes[0]
         lines += ["", f"[{kind}]", 'material = "nitinol"', f"outer_diameter_mm = {first.outer_diameter * 1e3:.6g}",
                   f"inner_diameter_mm = {first.inner_diameter * 1e3:.6g}",
-                  f"notch = {{ cut_mm = {first.cut * 1e3:.6g}, uncut_mm = {first.uncut * 1e3:.6g}, count = {first.count} }}"]
+                  _notch(first)]
         for tube in tubes:
             lines += ["", f"[[{kind}.samples]]", f'name = "{tube.name}"', f"depth_mm = {tube.depth * 1e3:.6g}",
                       f"natural_curvature_per_m = {tube.natural_curvature:.6g}"]
+            if (tube.cut, tube.uncut, tube.count) != (first.cut, first.uncut, first.count):
+                lines.append(_notch(tube))
     if robot.inner_diameters[0]:
         lines += ["", "[inner]", "youngs_modulus_gpa = 200.0", f"outer_diameter_mm = {robot.inner_diameters[0] * 1e3:.6g}",
                   f"inner_diameter_mm = {robot.inner_diameters[1] * 1e3:.6g}"]
