@@ -28,6 +28,8 @@ ALIKE = 4.0
 _FITTED_SINGLES = 9
 _FITTED_NEXT = 4
 _GROWN_FROM = 2
+_WORTH_GROWING = 4.0
+_FLOOR = 1.25
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,12 +66,15 @@ class Contest:
 
 
 def run_contest(problem: Problem, most_effects: int = 5) -> Contest:
-    """Fit and compare all sets worth comparing, up to ``most_effects`` effects."""
+    """Fit and compare all sets worth comparing, up to ``most_effects`` effects.
+
+    Sets grow by how much of the plain error they remove, because to coloured noise a half-explained misfit looks no
+    likelier than a whole one; which of them leads is then judged by evidence, each effect paying ``THRESHOLD``.
+    """
     scales = problem.scales()
     base = _hypothesis(problem, fit(problem), scales)
     candidates = applicable(problem)
     tried: dict[frozenset[str], Hypothesis] = {frozenset(): base}
-    leading = base
     frontier = [base]
     for size in range(1, most_effects + 1):
         grown = []
@@ -82,20 +87,43 @@ def run_contest(problem: Problem, most_effects: int = 5) -> Contest:
                 effects = in_order((*parent.fit.effects, effect))
                 tried[key] = _hypothesis(problem, fit(problem, effects, parent.fit.coordinates), scales)
                 grown.append(tried[key])
-        grown.sort(key=lambda hypothesis: -hypothesis.score)
-        if not grown or not earns(problem, grown[0], leading):
+        if not grown:
             break
-        leading = grown[0]
+        grown.sort(key=lambda hypothesis: _plain_error(problem, hypothesis))
+        smaller = min(_plain_error(problem, parent) for parent in frontier)
+        if _plain_error(problem, grown[0]) > smaller - _WORTH_GROWING:
+            break
         frontier = grown[:_GROWN_FROM]
+        if size > 1 and _at_floor(problem, grown[0]):
+            break
+    leading = _lead(problem, tried)
     ranked = sorted(tried.values(), key=lambda hypothesis: -hypothesis.score)
     return Contest(base, tuple(ranked), leading)
 
 
-def earns(problem: Problem, larger: Hypothesis, smaller: Hypothesis) -> bool:
-    """Return whether a set explains enough more than another: in evidence, and in size against the noise."""
-    if larger.score - smaller.score < THRESHOLD:
-        return False
-    return size_of(problem, larger, smaller) >= SMALLEST
+def _plain_error(problem: Problem, hypothesis: Hypothesis) -> float:
+    """Return half the white log variance times the number of samples, and its parameters' price: smaller is better."""
+    count = problem.observed.size
+    error = 0.5 * count * np.log(max(hypothesis.fit.rmse, 1e-300) ** 2)
+    if problem.tension_noise is not None and hypothesis.fit.tension_residual.size:
+        witness = float(np.mean(hypothesis.fit.tension_residual**2))
+        error += 0.5 * hypothesis.fit.tension_residual.size * np.log(max(witness, 1e-300))
+    return float(error + 1.0 * hypothesis.fit.parameter_count)
+
+
+def _at_floor(problem: Problem, hypothesis: Hypothesis) -> bool:
+    """Return whether what is left is no more than the noise that neighbouring samples show."""
+    return hypothesis.fit.rmse < _FLOOR * problem.noise
+
+
+def _lead(problem: Problem, tried: dict[frozenset[str], Hypothesis]) -> Hypothesis:
+    """Return the set with the most evidence after every effect has paid, and in which each is large enough to name."""
+    order = sorted(tried.values(), key=lambda h: h.score - THRESHOLD * len(h.ids), reverse=True)
+    for hypothesis in order:
+        smaller = [tried[key] for key in tried if key < frozenset(hypothesis.ids) and len(key) == len(hypothesis.ids) - 1]
+        if all(size_of(problem, hypothesis, other) >= SMALLEST for other in smaller):
+            return hypothesis
+    return tried[frozenset()]
 
 
 def size_of(problem: Problem, larger: Hypothesis, smaller: Hypothesis) -> float:
@@ -114,7 +142,8 @@ def applicable(problem: Problem) -> list[type[Effect]]:
         "stroke": runs[0].stroke is not None,
         "time": all(run.time is not None for run in runs),
         "release": any(int(np.sum(run.direction < 0)) >= 3 for run in runs),
-        "pairs": len(problem.joints) > 1,
+        "pairs": len(problem.joints) > 1 or any(np.ptp(joint.middle.depth) > 0.0 for joint in problem.joints.values()),
+        "outer": any(joint.outer is not None for joint in problem.joints.values()),
     }
     fixed = {effect.id for effect in problem.fixed_effects}
     return [e for e in CATALOGUE.values() if e.id not in fixed and all(have.get(need, True) for need in e.needs)]

@@ -12,17 +12,22 @@ class DistributedNotchFriction(Effect):
     """Capstan friction at each notch edge, by the angle that the notch has bent."""
 
     coefficient: float = 0.0
+    own_share: float = 0.5
 
     id = "distributed_notch_friction"
     title = "friction at the notches grows with their bend"
     component = "notches"
     stage = "transmission"
-    equation = "F_(i+1) = F_i exp(-+ coefficient theta_i), minus on load, plus on release"
+    equation = "F_i = F exp(-+ coefficient (sum_(j<i) theta_j + own_share theta_i)), minus on load, plus on release"
     source = "physics.md, sizes worth knowing: a constant eta is right at one curvature only; mu 0.1 to 0.4"
-    parameters = (Parameter("coefficient", 0.0, 0.0, 1.5, (0.05, 0.2, 0.5), "tendon in notched nitinol 0.1 to 0.4"),)
+    parameters = (
+        Parameter("coefficient", 0.0, 0.0, 1.5, (0.05, 0.2, 0.5), "tendon in notched nitinol 0.1 to 0.4"),
+        Parameter("own_share", 0.5, 0.0, 1.0, (0.5,), "of a notch's own bend: all of it, none, or one edge of two"),
+    )
     reverses = True
+    varies_along = True
     decided_by = "bend notch by notch (or photographs) along the segment while loading and releasing"
 
-    def notch_friction(self) -> float:
-        """Return the friction coefficient at the notch edges."""
-        return self.coefficient
+    def notch_friction(self) -> tuple[float, float]:
+        """Return the friction coefficient at the notch edges and the share of a notch's own bend."""
+        return self.coefficient, self.own_share

@@ -17,7 +17,7 @@ from coast_cli.mechanics.section import FloatArray
 
 Stage = Literal["drive", "tendon", "transmission", "structure", "sensor"]
 Kind = Literal["physics", "sensor", "parameter"]
-Need = Literal["stroke", "time", "release", "hold", "rates", "reversals", "pairs"]
+Need = Literal["stroke", "time", "release", "hold", "rates", "reversals", "pairs", "outer"]
 Scale = Literal["", "curvature", "strain", "closure", "tension", "duration", "response"]
 STAGES: tuple[Stage, ...] = ("drive", "tendon", "transmission", "structure", "sensor")
 
@@ -42,6 +42,10 @@ class Parameter:
     starts: tuple[float, ...]
     source: str
     relative_to: Scale = ""
+
+
+# Shared by the effects that bend the segment at rest: whether the stroke is zeroed on the straight or the rest shape.
+HOMED = Parameter("homed", 0.0, 0.0, 1.0, (0.0, 1.0), "0: zeroed once on a straight segment; 1: at rest before each run")
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +73,8 @@ class History:
 class Effect:
     """Base of all effects: every stage is the identity.
 
-    ``reverses`` says that load and release follow different branches; ``needs`` what a recording must hold for the
+    ``reverses`` says that load and release follow different branches, ``varies_along`` that notches bend differently by
+    their place; ``needs`` what a recording must hold for the
     effect to show at all; ``decided_by`` the recording that tells it from its look-alikes.
     """
 
@@ -83,6 +88,7 @@ class Effect:
     parameters: ClassVar[tuple[Parameter, ...]]
     needs: ClassVar[tuple[Need, ...]] = ()
     reverses: ClassVar[bool] = False
+    varies_along: ClassVar[bool] = False
     decided_by: ClassVar[str]
 
     @classmethod
@@ -118,8 +124,12 @@ class Effect:
         """Return the exponent added to ln(actuator tension / tension at the segment), load (+1) or release (-1)."""
         return 0.0
 
-    def notch_friction(self) -> float:
-        """Return the friction coefficient by which tension decays with each notch's bend; zero for none."""
+    def notch_friction(self) -> tuple[float, float]:
+        """Return the coefficient by which tension decays with each notch's bend, and the share of its own bend in it."""
+        return 0.0, 0.0
+
+    def homing(self) -> float:
+        """Return the share (0 to 1) of the rest shape's tendon path that the zero of the stroke already counts."""
         return 0.0
 
     def moment(self, moment: FloatArray, curvature: FloatArray, direction: int, segment: Segment) -> FloatArray:
@@ -143,6 +153,7 @@ class Segment:
         rigidity: flexural rigidity, N m^2, shape (m, 1). bending_length: X2, m. joint: the tubes.
         strain_per_curvature: strain of the strip's outer fibre for one 1/m of segment curvature, m, shape (m, 1).
         closing_curvature: curvature at which the faces of a notch touch by geometry, 1/m, shape (m, 1).
+        position: arc length of each station from the clamp of the segment, m, shape (m, 1); None for one station.
     """
 
     rigidity: FloatArray
@@ -150,3 +161,4 @@ class Segment:
     joint: Joint
     strain_per_curvature: FloatArray
     closing_curvature: FloatArray
+    position: FloatArray | None = None

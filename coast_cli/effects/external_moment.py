@@ -1,25 +1,50 @@
-"""Mean moment of loads on a segment of constant curvature, which is what a constant-curvature joint can feel."""
+"""Moments of loads on a bending segment taken as a circular arc from the clamp: at a place, or their mean along it.
+
+A joint of one station feels the mean moment; where notches are told apart, each feels that of its own place.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
+from coast_cli.effects.effect import Segment
 from coast_cli.mechanics.section import FloatArray
 
-
-def tip_force_arm(curvature: FloatArray, length: float) -> FloatArray:
-    """Return the mean lever arm (m) of a transverse tip force: mean over s of x_tip - x(s), for x = sin(kappa s)/kappa."""
-    bend = curvature * length
-    return length * (np.sinc(bend / np.pi) - 0.5 * np.sinc(bend / (2.0 * np.pi)) ** 2)
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
+_STRAIGHT = 1e-4
 
 
-def weight_arm(curvature: FloatArray, length: float) -> FloatArray:
-    """Return the mean moment (m^2) of a unit transverse line load: mean over s of the integral of x(t) - x(s), t > s.
+def tip_force_arm(curvature: FloatArray, segment: Segment) -> FloatArray:
+    """Return the lever arm x_tip - x(s) (m) of a transverse tip force, x(s) = sin(kappa s)/kappa, shape of curvature."""
 
-    Gauss-Legendre in s; the inner integral is closed: (cos(kappa s) - cos(kappa L))/kappa^2 - (L - s) sin(kappa s)/kappa.
+    def arm(place: FloatArray, kappa: FloatArray) -> FloatArray:
+        return np.asarray((np.sin(kappa * segment.bending_length) - np.sin(kappa * place)) / kappa)
+
+    return _at_places(arm, curvature, segment)
+
+
+def weight_arm(curvature: FloatArray, segment: Segment) -> FloatArray:
+    """Return the moment (m^2) of a unit transverse line load: the integral of x(t) - x(s) over t > s.
+
+    Closed for an arc: (cos(kappa s) - cos(kappa L))/kappa^2 - (L - s) sin(kappa s)/kappa.
     """
-    nodes, weights = np.polynomial.legendre.leggauss(8)
-    place = 0.5 * length * (nodes + 1.0)
-    kappa = np.where(np.abs(curvature * length) < 1e-4, 1e-4 / length, curvature)[..., np.newaxis]
-    inner = (np.cos(kappa * place) - np.cos(kappa * length)) / kappa**2 - (length - place) * np.sin(kappa * place) / kappa
-    return np.asarray(inner @ (0.5 * weights))
+    length = segment.bending_length
+
+    def arm(place: FloatArray, kappa: FloatArray) -> FloatArray:
+        bent = (np.cos(kappa * place) - np.cos(kappa * length)) / kappa**2
+        return np.asarray(bent - (length - place) * np.sin(kappa * place) / kappa)
+
+    return _at_places(arm, curvature, segment)
+
+
+def _at_places(
+    arm: Callable[[FloatArray, FloatArray], FloatArray], curvature: FloatArray, segment: Segment
+) -> FloatArray:
+    length = segment.bending_length
+    kappa = np.where(np.abs(curvature * length) < _STRAIGHT, _STRAIGHT / length, curvature)
+    if segment.position is not None:
+        return np.asarray(arm(segment.position, kappa))
+    places = 0.5 * length * (_NODES + 1.0)
+    return np.asarray(arm(places, kappa[..., np.newaxis]) @ (0.5 * _WEIGHTS))

@@ -216,10 +216,14 @@ def _tabulate(
     """Return both branches at one bending length, each as a strictly usable axis: a jump is where it cannot hold."""
     stations = stations_for(joint, effects, length, layout.kind, layout.columns, stiffness)
     sides = []
+    rest = 0.0
+    homed = max((effect.homing() for effect in effects), default=0.0)
     for direction in (1, -1) if any(effect.reverses for effect in effects) else (1,):
         tension, curvature = branch(stations, effects, direction, layout.curvature_limit)
         if stroke_driven:
-            axis = joint.deadband + stations.shortening(curvature) + _stretch(joint, effects, tension)
+            if direction > 0:
+                rest = homed * float(stations.shortening(curvature[0]))
+            axis = joint.deadband - rest + stations.shortening(curvature) + _stretch(joint, effects, tension)
         else:
             axis = tension
         if direction > 0:
@@ -227,7 +231,7 @@ def _tabulate(
         else:
             axis = np.minimum.accumulate(axis[::-1])[::-1]
         sides.append((axis, curvature))
-    return _Tables(stations, *sides[0], *sides[-1])
+    return _Tables(replace(stations, rest_path=rest), *sides[0], *sides[-1])
 
 
 def _stretch(joint: Joint, effects: Sequence[Effect], tension: FloatArray) -> FloatArray:
@@ -250,7 +254,7 @@ def _tension(
     """Return the actuator's tension (N) from what the tendon is stretched by, given the curvature of each station."""
     if joint.tendon is None:
         return np.zeros_like(stroke)
-    short = stations.shortening(curvature) * (lengths / stations.bending_length)
+    short = (stations.shortening(curvature) - stations.rest_path) * (lengths / stations.bending_length)
     stretch = np.maximum(stroke - joint.deadband - short, 0.0)
     if all(type(effect).stretch is Effect.stretch for effect in effects):
         return stretch * joint.tendon.stiffness

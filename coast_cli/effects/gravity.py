@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coast_cli.effects.effect import Effect, Parameter, Segment
+from coast_cli.effects.effect import HOMED, Effect, Parameter, Segment
 from coast_cli.effects.external_moment import weight_arm
 from coast_cli.mechanics.joint import Joint
 from coast_cli.mechanics.section import FloatArray
@@ -19,22 +19,31 @@ class Gravity(Effect):
     """The in-plane share of gravity across the straight segment; positive bends the way the tendon does."""
 
     share: float = 0.0
+    homed: float = 0.0
 
     id = "gravity"
     title = "weight of the segment"
     component = "environment"
     stage = "structure"
     equation = "M = M_elastic - share g w weight_arm(kappa, X2)"
-    source = "P (3)-(7) for the weight; mean moment over a segment of constant curvature"
-    parameters = (Parameter("share", 0.0, -1.5, 1.5, (0.5, -0.5), "sine of the plane's tilt, -1 to 1"),)
+    source = "P (3)-(7) for the weight; each notch of an arc feels its own moment, a joint of one station the mean"
+    parameters = (
+        Parameter("share", 0.0, -1.5, 1.5, (0.5, -0.5), "sine of the plane's tilt, -1 to 1"),
+        HOMED,
+    )
+    varies_along = True
     decided_by = "the same sweep with the plane of bending turned over, and at two bending lengths"
+
+    def homing(self) -> float:
+        """Return the share of the rest shape that the zero of the stroke counts."""
+        return self.homed
 
     def moment(self, moment: FloatArray, curvature: FloatArray, direction: int, segment: Segment) -> FloatArray:
         """Take off what the weight already bends."""
         if self.share == 0.0:
             return moment
         load = self.share * STANDARD_GRAVITY * _mass_per_length(segment.joint)
-        return moment - load * weight_arm(curvature, segment.bending_length)
+        return moment - load * weight_arm(curvature, segment)
 
 
 def _mass_per_length(joint: Joint) -> float:

@@ -16,19 +16,25 @@ class SnapThrough(Effect):
 
     curvature_per_m: float = 1000.0
     drop: float = 0.0
-    width: float = 0.08
+    width: float = 0.05
+    back: float = 0.8
 
     id = "snap_through"
     title = "outer tube snaps through"
     component = "tube pair"
     stage = "structure"
-    equation = "M = EI (kappa - drop kappa_s (1 + tanh((kappa - kappa_s)/(width kappa_s)))/2)"
+    equation = (
+        "M = EI (kappa - jump (1 + tanh((kappa - at)/(width kappa_s)))/2), jump = drop kappa_s, "
+        "at = kappa_s on load, back kappa_s + jump on release"
+    )
     source = "P, section on pair choice: snapping seen where the outer tube leads; two stable curvatures for one moment"
     parameters = (
         Parameter("curvature_per_m", 1000.0, 0.5, 200.0, (0.2, 0.35, 0.5, 0.65, 0.8), "where it was seen", "curvature"),
         Parameter("drop", 0.0, 0.0, 1.2, (0.15, 0.4), "share of the moment that is let go"),
-        Parameter("width", 0.08, 0.005, 0.5, (0.05,), "sharpness relative to the curvature"),
+        Parameter("width", 0.05, 0.005, 0.15, (0.03,), "sharpness relative to the curvature"),
+        Parameter("back", 0.8, 0.1, 1.0, (0.9, 0.6), "moment at which it comes back over that at which it lets go"),
     )
+    needs = ("outer",)
     reverses = True
     decided_by = "slow loading and release through the jump, in steps of at most 0.02 mm"
 
@@ -36,6 +42,7 @@ class SnapThrough(Effect):
         """Take off the moment that is let go."""
         if self.drop == 0.0:
             return moment
-        at = self.curvature_per_m
-        gone = 0.5 * (1.0 + np.tanh((curvature - at) / (self.width * at)))
-        return moment - self.drop * segment.rigidity * at * gone
+        jump = self.drop * self.curvature_per_m
+        at = self.curvature_per_m if direction > 0 else self.back * self.curvature_per_m + jump
+        gone = 0.5 * (1.0 + np.tanh((curvature - at) / (self.width * self.curvature_per_m)))
+        return moment - segment.rigidity * jump * gone

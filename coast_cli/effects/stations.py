@@ -15,6 +15,7 @@ from coast_cli.mechanics.tube import NotchedTube
 # Lumps that stand for many equal notches where friction makes the tension vary along them.
 _LUMPS = 12
 _TABLE = 385
+_OWN_BEND_SWEEPS = 3
 _NEGATIVE = 0.35  # tables reach this part of the limit on the negative side, for a bend against the tendon
 
 
@@ -26,7 +27,7 @@ class Stations:
         segment: the moment law's view, shapes (m, 1). bending_length: m. count: notches each station stands for, (m,).
         pitch, cut, lever_arm: m, shape (m,). share: of the segment's bend, (m,), sums to one.
         friction_gain: ln(actuator tension / tension at the segment) of the base model, on load and by it on release.
-        resolved: whether every station is one notch.
+        resolved: whether every station is one notch. rest_path: tendon path at rest that the stroke does not count, m.
     """
 
     segment: Segment
@@ -38,6 +39,7 @@ class Stations:
     share: FloatArray
     friction_gain: float
     resolved: bool
+    rest_path: float = 0.0
 
     def shortening(self, curvature: FloatArray) -> FloatArray:
         """Return how far the bend pulls the tendon, m, for curvature (..., m): P (9), chord across each cut."""
@@ -63,7 +65,7 @@ def stations_for(
         wanted = columns if kind == "notch" else min(max(round(length / joint.pitch), 1), tube.count)
         chosen = slice(tube.count - wanted, tube.count)
         count = np.ones(wanted)
-        if graded or any(effect.notch_friction() for effect in effects):
+        if graded or any(effect.varies_along for effect in effects):
             pitch, cut, depth_axis = tube.pitch[chosen], tube.cut[chosen], tube.notch.neutral_axis[chosen]
             inertia = _series(tube)[chosen]
         else:
@@ -72,7 +74,7 @@ def stations_for(
             pitch, cut, depth_axis = tube.pitch[chosen], tube.cut[chosen], tube.notch.neutral_axis[chosen]
             inertia = _series(tube)[chosen]
     else:
-        lumps = _LUMPS if any(effect.notch_friction() for effect in effects) else 1
+        lumps = _LUMPS if any(effect.notch_friction()[0] for effect in effects) else 1
         chosen = slice(tube.count - 1, tube.count)
         count = np.full(lumps, length / joint.pitch / lumps)
         pitch, cut = np.full(lumps, joint.pitch), np.full(lumps, joint.cut)
@@ -86,6 +88,7 @@ def stations_for(
         joint=joint,
         strain_per_curvature=_strain(tube, chosen, pitch.size),
         closing_curvature=_closing(joint, chosen, pitch.size),
+        position=None if pitch.size == 1 else (np.cumsum(bend_weight) - 0.5 * bend_weight)[:, np.newaxis],
     )
     return Stations(
         segment=segment,
@@ -133,7 +136,7 @@ def _along(
     monotone = np.maximum.accumulate(moment, axis=1)
     if direction < 0:
         monotone = np.minimum.accumulate(moment[:, ::-1], axis=1)[:, ::-1]
-    friction = sum(effect.notch_friction() for effect in effects)
+    friction, own = max((effect.notch_friction() for effect in effects), default=(0.0, 0.0))
     largest = float(np.max(monotone[:, -1] / stations.lever_arm)) * gain
     tension = np.linspace(0.0, 1.0, _TABLE) ** 1.5 * largest
     here = tension / gain
@@ -141,9 +144,10 @@ def _along(
     for place in range(stations.pitch.size):
         arm, step = stations.lever_arm[place], stations.count[place] * stations.pitch[place]
         kappa = np.interp(here * arm, monotone[place], curvature)
-        if not stations.resolved:
-            middle = here * np.exp(-direction * friction * np.abs(kappa) * step / 2.0)
-            kappa = np.interp(middle * arm, monotone[place], curvature)
+        share = own if stations.resolved else 0.5
+        for _ in range(_OWN_BEND_SWEEPS if friction * share else 0):
+            inside = here * np.exp(-direction * friction * share * np.abs(kappa) * step)
+            kappa = np.interp(inside * arm, monotone[place], curvature)
         bent[:, place] = kappa
         here = here * np.exp(-direction * friction * np.abs(kappa) * step)
     return tension, bent

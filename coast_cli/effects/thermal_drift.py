@@ -1,4 +1,4 @@
-"""Thermal drift: stiffness or zero change slowly with time, in proportion to it."""
+"""Thermal drift: stiffness or zero change slowly with time, towards a new balance."""
 
 from __future__ import annotations
 
@@ -12,30 +12,35 @@ from coast_cli.mechanics.section import FloatArray
 
 @dataclass(frozen=True)
 class ThermalDrift(Effect):
-    """Linear drift of the bending stiffness and of the zero of the response."""
+    """Drift of the bending stiffness and of the zero of the response; linear where the time constant is long."""
 
-    stiffness_per_s: float = 0.0
-    zero_per_s: float = 0.0
+    stiffness_change: float = 0.0
+    zero_change: float = 0.0
+    time_constant_s: float = 1000.0
 
     id = "thermal_drift"
     title = "stiffness or zero drifts with time"
     component = "material"
     stage = "structure"
-    equation = "EI -> EI (1 + stiffness_per_s t); response -> response + zero_per_s t (its own SI unit)"
-    source = "plateau stress +6.5 MPa/K (physics.md); a slow warming is linear over one recording"
+    equation = "EI -> EI (1 + stiffness_change g), response -> response + zero_change g, g = 1 - exp(-t/time_constant)"
+    source = "plateau stress +6.5 MPa/K (physics.md); Newton's law of warming for g"
     parameters = (
-        Parameter("stiffness_per_s", 0.0, -0.02, 0.02, (1e-4,), "tens of per cent an hour at most"),
-        Parameter("zero_per_s", 0.0, -2.0, 2.0, (1e-3,), "a few noise widths a minute"),
+        Parameter("stiffness_change", 0.0, -0.9, 5.0, (0.05, 0.0), "tens of per cent"),
+        Parameter("zero_change", 0.0, -100.0, 100.0, (0.0, 0.05), "SI unit of the response", "response"),
+        Parameter("time_constant_s", 1000.0, 0.05, 1e6, (0.1, 0.4, 3.0), "a fraction of the recording and longer", "duration"),
     )
     needs = ("time",)
     decided_by = "the same sweep repeated at the start and at the end of an hour, slack in between"
 
     def stiffness_drift(self, time: FloatArray) -> FloatArray | None:
         """Return the relative change of stiffness."""
-        return None if self.stiffness_per_s == 0.0 else np.maximum(self.stiffness_per_s * time, -0.9)
+        return None if self.stiffness_change == 0.0 else np.maximum(self.stiffness_change * self._part(time), -0.95)
 
     def sense(self, response: FloatArray, history: History) -> FloatArray:
         """Add the drift of the zero."""
-        if history.time is None or self.zero_per_s == 0.0:
+        if history.time is None or self.zero_change == 0.0:
             return response
-        return response + (self.zero_per_s * history.time)[:, np.newaxis]
+        return response + (self.zero_change * self._part(history.time))[:, np.newaxis]
+
+    def _part(self, time: FloatArray) -> FloatArray:
+        return np.asarray(-np.expm1(-time / self.time_constant_s))

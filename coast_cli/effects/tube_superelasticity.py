@@ -26,7 +26,7 @@ class TubeSuperelasticity(Effect):
     parameters = (
         Parameter("knee_strain", 1.0, 1e-5, 1.0, (0.25, 0.45, 0.65, 0.85), "plateau stress over E: 0.5 to 1.6 %", "strain"),
         Parameter("stiffness_lost", 0.0, 0.0, 0.98, (0.5,), "plateau slope 3 to 10 % of E"),
-        Parameter("knee_width", 0.1, 0.02, 0.6, (0.15,), "relative to the knee; the strip yields from its edge"),
+        Parameter("knee_width", 0.1, 0.01, 0.6, (0.15,), "relative to the knee; the strip yields from its edge"),
     )
     decided_by = "one loading sweep to the largest stroke at the shortest bending length, with tension recorded"
 
