@@ -52,7 +52,7 @@ class Ranking:
         notes: what the ranking leaves open, for the user.
     """
 
-    columns: Mapping[str, Sequence[Any]]
+    columns: Mapping[str, Any]
     notes: tuple[str, ...]
 
 
@@ -141,13 +141,16 @@ def _columns(
     scores: FloatArray,
     rigidity: Rigidity,
     order: NDArray[np.intp],
-) -> dict[str, Sequence[Any]]:
+) -> dict[str, Any]:
     possible = reasons == ""
     best = np.zeros(order.size, dtype=bool)
     best[possible] = pareto(_costs(pairs, rigidity)[possible])
     number_outer = len(design.outer)
     outer = np.array([tube.name for tube in design.outer], dtype=object)
     middle = np.array([tube.name for tube in design.middle], dtype=object)
+
+    shown = reasons.copy()
+    shown[possible] = None
 
     def figure(values: NDArray[Any]) -> NDArray[np.object_]:
         known = values.astype(object)
@@ -168,12 +171,12 @@ def _columns(
         "score": figure(scores),
         "pareto": best[order],
         "leading_tube": figure(np.where(pairs.signed_precurvature > 0.0, "outer", "middle")),
-        "reason": np.where(reasons == "", None, reasons)[order],
+        "reason": shown[order],
     }
 
 
 def _notes(
-    design: Design, rigidity: Rigidity, scores: Mapping[Rigidity, FloatArray], columns: Mapping[str, Sequence[Any]]
+    design: Design, rigidity: Rigidity, scores: Mapping[Rigidity, FloatArray], columns: Mapping[str, Any]
 ) -> tuple[str, ...]:
     notes = list(design.notes)
     if not np.isfinite(scores[rigidity]).any():
@@ -183,7 +186,8 @@ def _notes(
     if first[other] == first[rigidity]:
         notes.append(f"by {other} rigidity the same pair ranks first.")
     else:
-        name = f"{design.outer[first[other] % len(design.outer)].name}/{design.middle[first[other] // len(design.outer)].name}"
+        middle, outer = divmod(first[other], len(design.outer))
+        name = f"{design.outer[outer].name}/{design.middle[middle].name}"
         notes.append(f"by {other} rigidity another pair, S{first[other] + 1} ({name}), ranks first.")
     if columns["leading_tube"][0] == "outer":
         notes.append("the outer tube leads the first pair: snapping was seen where it does.")

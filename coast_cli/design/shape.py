@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -13,10 +13,12 @@ from coast_cli.mechanics.section import FloatArray
 from coast_cli.mechanics.tube import NotchedTube
 from coast_cli.units import DEGREE, MILLIMETRE
 
+Shape = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]  # s, x, y (m), angle (rad), curvature (1/m)
+
 
 def shape_columns(
     tubes: Sequence[NotchedTube], gravity: float, *, method: Literal["arc", "projected"], points: int | None = None
-) -> dict[str, Sequence[object]]:
+) -> dict[str, Any]:
     """Return the columns of the shapes of several tubes, one after the other.
 
     Args:
@@ -42,7 +44,7 @@ def shape_columns(
 
 def _shape(
     tube: NotchedTube, gravity: float, method: str, points: int | None
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
+) -> Shape:
     """Return s, x, y (m), angle (rad) and curvature (1/m) at the asked points."""
     pieces = tube.segments
     ends = np.concatenate(([0.0], np.cumsum(pieces.length)))
@@ -67,7 +69,7 @@ def _shape(
     return asked, solution.x[at], solution.y[at], solution.angle[at], curvature
 
 
-def _interpolated(solution: BeamSolution, asked: FloatArray) -> tuple[FloatArray, ...]:
+def _interpolated(solution: BeamSolution, asked: FloatArray) -> Shape:
     x, y, angle = (np.interp(asked, solution.s, values) for values in (solution.x, solution.y, solution.angle))
     piece = np.clip(np.searchsorted(solution.s, asked) - 1, 0, solution.curvature.size - 1)
     return asked, x, y, angle, solution.curvature[piece]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from coast_cli.units import MILLIMETRE
 
 def stroke_table(
     joint: Joint, bending_lengths: Sequence[float], *, curvatures: Sequence[float] = (), strokes: Sequence[float] = ()
-) -> tuple[dict[str, Sequence[object]], tuple[str, ...]]:
+) -> tuple[dict[str, Any], tuple[str, ...]]:
     """Return the columns of a stroke table and notes on where the model is stretched.
 
     Args:
@@ -35,7 +36,7 @@ def stroke_table(
         raise NotConverged(f"{solution.verdict.message}.")
     tip_x, tip_y = tip(solution.curvature, length)
     known = joint.tendon is not None
-    columns: dict[str, Sequence[object]] = {
+    columns: dict[str, Any] = {
         "outer": [joint.outer.name if joint.outer else None] * length.size,
         "middle": [joint.middle.name] * length.size,
         "curvature_per_m": solution.curvature,

@@ -1,1 +1,1 @@
-"""How answers leave the program: one small module a format, atomic files, provenance, and the meaning of each column."""
+"""How answers leave the program: a small module a format, atomic files, provenance, the meaning of columns."""

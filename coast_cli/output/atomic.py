@@ -34,7 +34,7 @@ def write_files(writers: Mapping[Path, Writer], *, binary: bool = False) -> None
             if not in_place:
                 unfinished.callback(draft.unlink, missing_ok=True)
             try:
-                with draft.open("wb" if binary else "w", **({} if binary else {"encoding": "utf-8", "newline": "\n"})) as stream:
+                with draft.open("wb") if binary else draft.open("w", encoding="utf-8", newline="\n") as stream:
                     writer(stream)
             except OSError as error:
                 raise UsageError(f"-o {path}: cannot be written ({error.strerror or error}).") from None

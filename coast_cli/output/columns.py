@@ -48,6 +48,13 @@ COLUMNS: dict[str, dict[str, str]] = {
         "passed": "whether the limit holds",
         "line": "line of the limit in the configuration",
     },
+    "explain": {
+        "name": "the name; keys of a configuration are dotted",
+        "kind": "what sort of name it is",
+        "meaning": "what it means",
+        "allowed": "the values it may have",
+        "source": "where its equation or range comes from",
+    },
     "validate": {
         "config": "the configuration",
         "valid": "whether it can be used",

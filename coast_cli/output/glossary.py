@@ -1,4 +1,4 @@
-"""What every name that a user meets means: effects, configuration keys with their ranges, checks, columns of answers."""
+"""What every name that a user meets means: effects, configuration keys with their ranges, checks, columns."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ from coast_cli.output.columns import COLUMNS
 
 
 def look_up(name: str) -> list[Row]:
-    """Return the entries of a name: ``name``, ``kind``, ``meaning``, ``range``, ``source``; a key also by its last part."""
-    return [entry for full, entries in glossary().items() if name in {full, full.rpartition(".")[2]} for entry in entries]
+    """Return the entries of a name, each with the columns of ``coast explain``; a key is found by its last part too."""
+    names = [full for full in glossary() if name in {full, full.rpartition(".")[2]}]
+    return [entry for full in names for entry in glossary()[full]]
 
 
 @cache

@@ -1,4 +1,4 @@
-"""Tables for people: five digits, units in the headings, wide rows on one line, no column without a value."""
+"""Tables for people: five digits, units in the headings, a row a line, no column without a value."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def render(answer: Answer, stream: IO[str]) -> None:
     from rich.text import Text
 
     table = Table(box=SIMPLE_HEAD, pad_edge=False, show_edge=False)
-    names = [name for name in (answer.rows[0] if answer.rows else ()) if any(row[name] is not None for row in answer.rows)]
+    names = [name for name in next(iter(answer.rows), {}) if any(row[name] is not None for row in answer.rows)]
     for name in names:
         numeric = any(isinstance(row[name], int | float) for row in answer.rows[:100])
         table.add_column("\n".join(_heading(name)), justify="right" if numeric else "left", vertical="bottom")
@@ -28,8 +28,7 @@ def render(answer: Answer, stream: IO[str]) -> None:
         console.print(table)
     stream.writelines(f"{line.rstrip()}\n" for line in capture.get().splitlines())
     for config in answer.provenance.get("configs", ()):
-        stream.write(f"\n{config['file']}  sha256 {config['sha256'][:16]}  coast {answer.provenance['versions']['coast']}")
-    stream.write("\n")
+        stream.write(f"\n{config['file']}  sha256 {config['sha256'][:16]}\n")
 
 
 def _heading(name: str, width: int = 14) -> list[str]:

@@ -50,7 +50,7 @@ def say(text: str) -> None:
 
 
 def _format_of(path: Path, formats: Sequence[str]) -> str:
-    known = {suffix: format for suffix, format in SUFFIXES.items() if format in formats}
+    known = {suffix: name for suffix, name in SUFFIXES.items() if name in formats}
     if path.suffix.lower() not in known:
         raise UsageError(f"-o {path}: the suffix does not say a format; allowed: {', '.join(known)}.")
     return known[path.suffix.lower()]

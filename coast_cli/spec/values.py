@@ -107,7 +107,8 @@ Name = Annotated[
     Allowed("a name of letters, digits and any of _ . + -"),
 ]
 SectionChoice = Annotated[Literal["sector", "chord"], Allowed("'sector' or 'chord'")]
+_ExtraCut = Annotated[float, Field(ge=0.0, le=100.0)]
 EndEffect = Annotated[
-    Literal["none", "table"] | Annotated[float, Field(ge=0.0, le=100.0)] | tuple[float, ...],
+    Literal["none", "table"] | _ExtraCut | Annotated[tuple[_ExtraCut, ...], Field(strict=False)],
     Allowed("'none', 'table', a length in mm from 0 to 100, or a list of lengths"),
 ]
