@@ -7,6 +7,8 @@ from typing import Annotated, Any
 
 import typer
 
+from coast_cli import __version__
+
 # Each command and where its function is; `coast --help` loads them all, so their modules import nothing heavy.
 COMMANDS = {
     "rank-pairs": "coast_cli.cli.rank_pairs:rank_pairs",
@@ -35,15 +37,24 @@ def run(arguments: list[str]) -> int:
 
 def _app(names: list[str]) -> Any:  # noqa: ANN401
     app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
-    app.callback(invoke_without_command=False)(_coast)
+    app.callback()(_coast)
     for name in names:
         module, function = COMMANDS[name].split(":")
         app.command(name)(getattr(import_module(module), function))
     return app
 
 
+def _show_version(*, asked: bool) -> None:
+    if asked:
+        typer.echo(__version__)
+        raise typer.Exit
+
+
 def _coast(
-    *, version: Annotated[bool, typer.Option("--version", help="Print the version and stop.", is_eager=True)] = False
+    *,
+    version: Annotated[
+        bool, typer.Option("--version", help="Print the version and stop.", is_eager=True, callback=_show_version)
+    ] = False,
 ) -> None:
     """Design and test the COAST guidewire robot: rank notched tube pairs, make stroke tables, check designs.
 
