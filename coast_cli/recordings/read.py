@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from coast_cli.mechanics.tube import NotchedTube
-    from coast_cli.spec import Config
+    from coast_cli.spec.config import Config
 
     Floats = NDArray[np.float64]
 
@@ -95,14 +95,12 @@ def read_recordings(
 def _defaults(config: Config | None, pair: str | None, bending_length_mm: float | None) -> Defaults:
     outer_tubes = middle_tubes = None
     if config is not None:
-        from coast_cli.spec import build
+        from coast_cli.spec.build import build
 
         design = build(config)
         outer_tubes = {tube.name: tube for tube in design.outer}
         middle_tubes = {tube.name: tube for tube in design.middle}
         pair = pair or design.joint_pair
-        if pair is None and not outer_tubes and len(middle_tubes) == 1:
-            pair = next(iter(middle_tubes))
     outer, middle = (None, None) if pair is None else split_pair(pair)
     for name, tubes in ((outer, outer_tubes), (middle, middle_tubes)):
         if name and tubes is not None and name not in tubes:
@@ -203,7 +201,9 @@ def _pair_names(
         if name_outer:
             _checked_tube(table, outer, stretch[0], name_outer, defaults.outer_tubes)
     if middle:
-        name_middle = _checked_tube(table, middle, stretch[0], middle.of(*stretch), defaults.middle_tubes) or None
+        name_middle = middle.of(*stretch) or None
+        if name_middle:
+            _checked_tube(table, middle, stretch[0], name_middle, defaults.middle_tubes)
     if name_middle is None:
         raise table.error(
             "no middle tube is named",
@@ -288,6 +288,14 @@ def _check_joint_run(table: Table, layout: Layout, run: JointRun, start: int, de
     ]
     if not tubes:
         return
+    if layout.notches and len(layout.notches) > tubes[-1].count:
+        raise table.error(
+            f"more notch columns than tube {run.middle!r} has notches",
+            name=layout.notches[-1].name,
+            row=start,
+            found=str(len(layout.notches)),
+            allowed=f"up to {tubes[-1].count}",
+        )
     shortest = min(tubes, key=lambda tube: tube.length)
     too_long = run.bending_length > shortest.length + LENGTH_TOLERANCE
     if too_long.any():
