@@ -14,16 +14,15 @@ def init(
     force: Annotated[bool, typer.Option("--force", help="replace a file that is there")] = False,
 ) -> None:
     """Write the commented reference configuration; every command runs on it as it is."""
-    import sys
-
     from coast_cli.errors import UsageError
     from coast_cli.output.atomic import write_files
+    from coast_cli.output.stdout import to_stdout
     from coast_cli.output.write import say
     from coast_cli.spec.load import REFERENCE, read_text
 
     text = read_text(REFERENCE)
     if str(file) == "-":
-        sys.stdout.write(text)
+        to_stdout(lambda stream: stream.write(text))
         return
     if file.is_file() and not force:
         raise UsageError(f"{file}: there is such a file already; name another, or give --force to replace it.")

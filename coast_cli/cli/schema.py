@@ -13,13 +13,13 @@ def schema(
 ) -> None:
     """Print the JSON Schema (draft 2020-12) of a configuration; editors complete and check TOML with it."""
     import json
-    import sys
 
     from coast_cli.output.atomic import write_files
+    from coast_cli.output.stdout import to_stdout
     from coast_cli.spec.schema import config_schema
 
     text = json.dumps(config_schema(), indent=2) + "\n"
     if output:
         write_files({path: lambda stream: stream.write(text) for path in output})
     else:
-        sys.stdout.write(text)
+        to_stdout(lambda stream: stream.write(text))

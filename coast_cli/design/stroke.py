@@ -13,6 +13,8 @@ from coast_cli.mechanics.section import FloatArray
 from coast_cli.mechanics.verdict import Verdict
 from coast_cli.units import MILLIMETRE
 
+LARGEST_DRIVE = 1e5  # 1/m or m: a circle smaller than any tube, a tendon longer than any
+
 
 def stroke_table(
     joint: Joint, bending_lengths: Sequence[float], *, curvatures: Sequence[float] = (), strokes: Sequence[float] = ()
@@ -60,8 +62,8 @@ def _solve(joint: Joint, length: FloatArray, drive: FloatArray, *, inverse: bool
 
 
 def _check(joint: Joint, lengths: Sequence[float], drives: Sequence[float]) -> None:
-    if min(drives) < 0.0:
-        raise UsageError("curvature and stroke: the joint bends one way; allowed: numbers from 0.")
+    if min(drives) < 0.0 or max(drives) > LARGEST_DRIVE:
+        raise UsageError(f"curvature and stroke: allowed: numbers from 0 to {LARGEST_DRIVE:g}.")
     longest = min(tube.length for tube in (joint.outer, joint.middle) if tube is not None)
     for length in lengths:
         if not 0.0 < length <= longest * (1.0 + 1e-12):

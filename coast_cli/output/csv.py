@@ -13,8 +13,9 @@ def render(answer: Answer, stream: IO[str]) -> None:
     if not answer.rows:
         return
     writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(answer.rows[0].keys())
-    writer.writerows([_cell(value) for value in row.values()] for row in answer.rows)
+    names = list(answer.rows[0])
+    writer.writerow(names)
+    writer.writerows([_cell(row[name]) for name in names] for row in answer.rows)
 
 
 def _cell(value: Cell) -> Cell:

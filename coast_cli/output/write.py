@@ -12,6 +12,7 @@ from typing import Any
 from coast_cli.errors import UsageError
 from coast_cli.output.answer import Answer
 from coast_cli.output.atomic import write_files
+from coast_cli.output.stdout import to_stdout
 
 FORMATS = ("table", "json", "csv")
 SUFFIXES = {".txt": "table", ".json": "json", ".csv": "csv", ".xml": "junit"}
@@ -40,8 +41,7 @@ def write_answer(
     for note in answer.notes:
         say(f"note: {note}")
     if format is not None or not outputs:
-        _renderer(format or "table")(answer, sys.stdout)
-        sys.stdout.flush()
+        to_stdout(partial(_renderer(format or "table"), answer))
 
 
 def say(text: str) -> None:

@@ -43,7 +43,7 @@ def load_config_text(text: str, name: str = "<text>") -> Config:
     """Validate the text of a configuration; ``name`` stands for its file in errors."""
     try:
         tables = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except ValueError as error:  # TOMLDecodeError, or an integer of thousands of digits
         raise _not_toml(error, text, name) from None
     except RecursionError:
         raise BadInput("nested too deeply", file=name) from None
@@ -89,7 +89,7 @@ def _similar_files(path: Path) -> str | None:
     return nearest(path.name, names) or None
 
 
-def _not_toml(error: tomllib.TOMLDecodeError, text: str, name: str) -> BadInput:
+def _not_toml(error: ValueError, text: str, name: str) -> BadInput:
     place = re.search(r"\(at line (\d+), column (\d+)\)", str(error))
     message = re.sub(r"\s*\(at .*\)$", "", str(error))
     line, column = (int(place[1]), int(place[2])) if place else (text.count("\n") + 1, None)

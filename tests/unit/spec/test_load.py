@@ -101,6 +101,10 @@ def test_deep_nesting_is_refused_not_crashed():
     assert "nested too deeply" in refusal("a = " + "[" * 100_000)
 
 
+def test_a_number_of_thousands_of_digits_is_refused():
+    assert "not valid TOML" in refusal("version = " + "9" * 5000)
+
+
 def test_what_is_not_a_readable_text_file(tmp_path, reference_text):
     binary = tmp_path / "binary.toml"
     binary.write_bytes(b"version = 1\nname = '\xff\xfe'")

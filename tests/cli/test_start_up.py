@@ -1,0 +1,40 @@
+"""Start-up stays light: told by the modules that are loaded, not by milliseconds."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+HEAVY = {"numpy", "scipy", "pydantic", "matplotlib", "rich", "skimage", "numba"}
+PROBE = """
+import json, sys
+from coast_cli.__main__ import main
+code = main(sys.argv[1:])
+names = {name.partition(".")[0] for name in sys.modules}
+sys.stderr.write("\\n" + json.dumps([code, sorted(names), sorted(n for n in sys.modules if n.startswith("coast_cli."))]))
+"""
+
+
+def loaded(*words):
+    command = [sys.executable, "-c", PROBE, *map(str, words)]
+    ran = subprocess.run(command, capture_output=True, text=True, check=True)
+    return json.loads(ran.stderr.splitlines()[-1])
+
+
+@pytest.mark.parametrize("words", [("--help",), ("--version",)])
+def test_help_loads_nothing_heavy(words):
+    _, modules, _ = loaded(*words)
+    assert not HEAVY & set(modules)
+
+
+def test_ranking_loads_neither_scipy_nor_plots_nor_other_commands(reference):
+    code, modules, own = loaded("rank-pairs", reference)
+    assert code == 0
+    assert not {"scipy", "matplotlib", "skimage", "numba"} & set(modules)
+    assert [name for name in own if name.startswith("coast_cli.cli.")] == [
+        "coast_cli.cli.app",
+        "coast_cli.cli.options",
+        "coast_cli.cli.rank_pairs",
+    ]
+    assert not any(name.startswith(("coast_cli.diagnosis", "coast_cli.recordings", "coast_cli.effects")) for name in own)
