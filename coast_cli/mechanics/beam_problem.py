@@ -1,29 +1,34 @@
-"""A planar beam ready to be solved: pieces, loads and clamp in a frame whose downward direction is gravity's.
+"""Planar beams ready to be solved: pieces, loads and clamps in frames whose downward direction is gravity's.
 
-One beam has arrays of shape (n,), many beams (n, m), pieces from clamp to tip. The only unknown is the angle of the tip:
-there the moment is known, so the march to the clamp needs nothing else, and the clamp's angle is the one equation.
+The only unknown of a beam is the angle of its tip: the moment there is known, so the march to the clamp needs nothing
+else, and the clamp's angle is the one equation.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import cos, sin
 
 import numpy as np
+from numpy.typing import NDArray
 
-from coast_cli.mechanics.beam_step import Number, segment_step, tangent_step
+from coast_cli.mechanics.beam_step import Number, segment_displacement, segment_tangent, segment_turn
 from coast_cli.mechanics.section import FloatArray
 
 Piece = tuple[Number, Number, Number, Number]
 
+_MOST_PARTS = 1000  # of one piece
+_FEW_TRIALS = 16
+
 
 @dataclass(frozen=True)
 class BeamProblem:
-    """Pieces and loads of one beam, shape (n,), or of many, shape (n, m).
+    """Pieces, shape (n, m), and loads, shape (m,), of m beams; pieces go from clamp to tip.
 
     Attributes:
-        length: of each piece, m. flexibility: length/B, 1/(N m). bend: natural turn, rad. load: weight of each piece, N.
+        length: of each piece, m. flexibility: length/B, 1/(N m). bend: natural turn, rad. load: weight, N.
         thrust: tip force across gravity, N. shear: tip force along gravity, N. moment: at the tip, N m.
         base: angle of the clamp from the horizontal of this frame, rad.
     """
@@ -32,44 +37,85 @@ class BeamProblem:
     flexibility: FloatArray
     bend: FloatArray
     load: FloatArray
-    thrust: Number = 0.0
-    shear: Number = 0.0
-    moment: Number = 0.0
-    base: Number = 0.0
+    thrust: FloatArray
+    shear: FloatArray
+    moment: FloatArray
+    base: FloatArray
+
+    @property
+    def count(self) -> int:
+        """Number of beams."""
+        return int(self.length.shape[1])
 
     @cached_property
     def pieces(self) -> Sequence[Piece]:
-        """The pieces from tip to clamp: of Python floats for one beam, of rows over beams for many."""
-        columns = (self.length, self.flexibility, self.bend, self.load)
-        if self.length.ndim == 1:
-            columns = tuple(column.tolist() for column in columns)  # type: ignore[misc]
-        return list(zip(*columns, strict=True))[::-1]
+        """The pieces from tip to clamp: rows over the beams, or plain numbers if there is one beam."""
+        columns = [self.length, self.flexibility, self.bend, self.load]
+        rows = [column.ravel().tolist() if self.count == 1 else column for column in columns]
+        return list(zip(*rows, strict=True))[::-1]
 
     @cached_property
-    def natural_tip_angle(self) -> Number:
-        """Angle of the tip without any load, rad: where the continuation starts."""
-        return self.base + self.bend.sum(axis=0)
+    def tip_loads(self) -> tuple[Number, Number, Number]:
+        """Thrust, shear and moment at the tip, plain numbers if there is one beam."""
+        loads = (self.thrust, self.shear, self.moment)
+        return tuple(load.item() for load in loads) if self.count == 1 else loads  # type: ignore[return-value]
 
     @cached_property
-    def load_number(self) -> Number:
-        """Integral of s P/B over the beam, P the size of the internal force: below 1 there is one equilibrium only.
+    def unloaded_tip_angle(self) -> FloatArray:
+        """Angle of the tip without any force, rad: where the continuation starts."""
+        angle: FloatArray = self.base + np.sum(self.bend + self.flexibility * self.moment, axis=0)
+        return angle
 
-        Two equilibria would make d'' + p d = 0, d(0) = d'(L) = 0 solvable with |p| <= P/B; its Green's function
-        min(s, sigma) forbids that (the self-weight column buckles at 7.84 where this says 6).
-        """
+    @cached_property
+    def force_bound(self) -> FloatArray:
+        """Largest size of the internal force on each piece, N: all that hangs beyond its clamp side."""
         beyond = self.shear + np.cumsum(self.load[::-1], axis=0)[::-1]
-        largest = np.maximum(np.abs(beyond), np.abs(beyond - self.load))
-        ends = np.cumsum(self.length, axis=0)
-        return np.sum((ends - self.length / 2.0) * self.flexibility * np.hypot(self.thrust, largest), axis=0)
+        bound: FloatArray = np.hypot(self.thrust, np.maximum(np.abs(beyond), np.abs(beyond - self.load)))
+        return bound
+
+    @cached_property
+    def moment_bound(self) -> FloatArray:
+        """No equilibrium has a larger internal moment than this on a piece, N m."""
+        return np.abs(self.moment) + np.cumsum((self.length * self.force_bound)[::-1], axis=0)[::-1]
+
+    @cached_property
+    def load_number(self) -> FloatArray:
+        """Integral of C P over the beam, C the compliance from the clamp, P the size of the internal force.
+
+        Below 1 there is one equilibrium only: two would differ by a d with (B d')' + p d = 0, d(0) = d'(L) = 0 and
+        |p| <= P, which the Green's function C(min(s, sigma)) then forbids. (A uniform column under its own weight
+        buckles at 7.84/6 = 1.31.) Nor does any equilibrium turn the tip by more than this, rad, from the unloaded one.
+        """
+        compliance = np.cumsum(self.flexibility, axis=0) - self.flexibility / 2.0
+        number: FloatArray = np.sum(compliance * self.length * self.force_bound, axis=0)
+        return number
 
     def scaled(self, factor: Number) -> BeamProblem:
-        """Return the same beam with every load times ``factor``."""
+        """Return the same beam with every force times ``factor``; a moment at the tip stays."""
+        return replace(self, load=self.load * factor, thrust=self.thrust * factor, shear=self.shear * factor)
+
+    def parts(self, turn: float, moment: FloatArray) -> NDArray[np.int64]:
+        """Return into how many equal pieces to cut each piece so that none turns by more than ``turn`` (rad).
+
+        ``moment`` bounds the internal moment, N m, and broadcasts to the pieces. The force counts too, since a step's
+        series runs in its square root: sqrt(h^2 P/B).
+        """
+        by_force = np.sqrt(self.length * self.flexibility * self.force_bound)
+        most = np.maximum(np.abs(self.bend) + self.flexibility * moment, by_force)
+        parts: NDArray[np.int64] = np.ceil(np.max(most, axis=1, initial=0.0) / turn).astype(np.int64)
+        return np.clip(parts, 1, _MOST_PARTS)
+
+    def divided(self, parts: NDArray[np.int64]) -> BeamProblem:
+        """Return the same beams with piece i cut into ``parts[i]`` equal pieces."""
+        if np.all(parts == 1):
+            return self
+        return self._with(lambda column: np.repeat(column / parts[:, None], parts, axis=0))
+
+    def picked(self, beams: NDArray[np.int64]) -> BeamProblem:
+        """Return some of many beams."""
         return replace(
-            self,
-            load=self.load * factor,
-            thrust=self.thrust * factor,
-            shear=self.shear * factor,
-            moment=self.moment * factor,
+            self._with(lambda column: column[:, beams]),
+            **{name: getattr(self, name)[beams] for name in ("thrust", "shear", "moment", "base")},
         )
 
     def coarse(self, cells: int) -> BeamProblem:
@@ -81,52 +127,102 @@ class BeamProblem:
         count = self.length.shape[0]
         if count <= 2 * cells:
             return self
-        chosen = np.unique(np.linspace(0, (count - 1) // 2, cells + 1).round().astype(int)) * 2
+        chosen = np.unique(np.linspace(0, (count - 1) // 2, cells).round().astype(int)) * 2
 
         def merged(column: FloatArray) -> FloatArray:
-            total = np.concatenate((np.zeros_like(column[:1]), np.cumsum(column, axis=0)))
-            middle = 0.5 * (total[chosen] + total[chosen + 1])
-            return np.diff(np.concatenate((total[:1], middle, total[-1:])), axis=0)
+            half = np.concatenate((column[chosen] / 2.0, np.zeros_like(column[:1])))
+            cells = np.add.reduceat(column, chosen, axis=0)
+            return np.concatenate((half[:1], cells - half[:-1] + half[1:]))
 
-        return replace(
-            self,
-            length=merged(self.length),
-            flexibility=merged(self.flexibility),
-            bend=merged(self.bend),
-            load=merged(self.load),
-        )
+        return self._with(merged)
+
+    def _with(self, change: Callable[[FloatArray], FloatArray]) -> BeamProblem:
+        names = ("length", "flexibility", "bend", "load")
+        return replace(self, **{name: change(getattr(self, name)) for name in names})
 
 
-@dataclass(slots=True)
 class Trace:
-    """What a march passes, one entry a node from tip to clamp, steps one shorter."""
+    """What a march passes: rows over the nodes from clamp to tip, shape (n + 1, m).
 
-    turn: list[Number]
-    moment: list[Number]
-    along_x: list[Number]
-    along_y: list[Number]
+    Attributes:
+        turn: angle at the node less the tip's, rad. moment: N m. x, y: places from the tip, m.
+        slope: derivative of the angle by the tip's.
+    """
+
+    def __init__(self, problem: BeamProblem) -> None:
+        shape = (problem.length.shape[0] + 1, problem.count)
+        self.turn, self.moment, self.x, self.y, self.slope = (np.zeros(shape) for _ in range(5))
+        self.moment[-1], self.slope[-1] = problem.moment, 1.0
 
 
-def march(problem: BeamProblem, cosine: Number, sine: Number, trace: Trace | None = None) -> tuple[Number, Number]:
+def march(problem: BeamProblem, cosine: Number, sine: Number) -> tuple[Number, Number]:
     """March from the tip, whose tangent is (cosine, sine), to the clamp.
 
     Returns:
-        The turn from tip to clamp, rad, and the derivative of the clamp's angle by the tip's. The derivative is good to
-        about 1e-4, which Newton's method needs; the turn has the order of the step.
+        The turn from tip to clamp, rad, and the derivative of the clamp's angle by the tip's. The turn has the order of
+        the step; the derivative serves Newton's method and is good to about 1e-6.
     """
-    thrust, shear, moment = problem.thrust, problem.shear, problem.moment
+    thrust, shear, moment = problem.tip_loads
     total = 0.0 * cosine
     slope, moment_slope = total + 1.0, total
     for length, flexibility, bend, load in problem.pieces:
-        turn, cosine, sine, moment, along_x, along_y, stiffness, stiffness_slope = segment_step(
+        turn, cosine, sine, moment, forces, series = segment_turn(
+            length, flexibility, bend, load, thrust, cosine, sine, moment, shear
+        )
+        slope, moment_slope = segment_tangent(length, flexibility, forces, series, slope, moment_slope)
+        shear = shear + load
+        total = total + turn
+    return total, slope
+
+
+def march_turn(problem: BeamProblem, cosine: Number, sine: Number) -> Number:
+    """Return only the turn from tip to clamp, rad: a march without the derivative."""
+    thrust, shear, moment = problem.tip_loads
+    total = 0.0 * cosine
+    for length, flexibility, bend, load in problem.pieces:
+        turn, cosine, sine, moment, _, _ = segment_turn(
             length, flexibility, bend, load, thrust, cosine, sine, moment, shear
         )
         shear = shear + load
         total = total + turn
-        slope, moment_slope = tangent_step(length, flexibility, stiffness, stiffness_slope, slope, moment_slope)
-        if trace is not None:
-            trace.turn.append(turn)
-            trace.moment.append(moment)
-            trace.along_x.append(along_x)
-            trace.along_y.append(along_y)
+    return total
+
+
+def march_shape(problem: BeamProblem, cosine: Number, sine: Number, trace: Trace) -> tuple[Number, Number]:
+    """March as ``march`` does and write every node into ``trace``."""
+    thrust, shear, moment = problem.tip_loads
+    total, x, y = 0.0 * cosine, 0.0, 0.0
+    slope, moment_slope = total + 1.0, total
+    node = problem.length.shape[0]
+    for length, flexibility, bend, load in problem.pieces:
+        turn, next_cosine, next_sine, moment, forces, series = segment_turn(
+            length, flexibility, bend, load, thrust, cosine, sine, moment, shear
+        )
+        along_x, along_y = segment_displacement(length, cosine, sine, series)
+        slope, moment_slope = segment_tangent(length, flexibility, forces, series, slope, moment_slope)
+        cosine, sine, shear = next_cosine, next_sine, shear + load
+        total, x, y = total + turn, x - along_x, y - along_y
+        node -= 1
+        trace.turn[node], trace.moment[node], trace.slope[node] = total, moment, slope
+        trace.x[node], trace.y[node] = x, y
     return total, slope
+
+
+def rotation(problem: BeamProblem, angle: FloatArray) -> tuple[Number, Number]:
+    """Return cosine and sine of the beams' tip angles, as a march takes them."""
+    if problem.count == 1 and angle.size == 1:
+        return cos(angle.item()), sin(angle.item())
+    return np.cos(angle), np.sin(angle)
+
+
+def clamp_error(problem: BeamProblem, tip_angle: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return by how much a tip angle (rad) misses the clamp, rad, and the derivative: the one equation of a beam.
+
+    ``tip_angle`` has the shape (..., m). A few trials of one beam go one by one: plain numbers are then faster.
+    """
+    if problem.count > 1 or tip_angle.size > _FEW_TRIALS:
+        total, slope = march(problem, np.cos(tip_angle), np.sin(tip_angle))
+    else:
+        results = [march(problem, cos(angle), sin(angle)) for angle in tip_angle.ravel().tolist()]
+        total, slope = np.reshape(np.transpose(results), (2, *tip_angle.shape))
+    return tip_angle + total - problem.base, slope
