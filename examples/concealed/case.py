@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from examples.concealed.camera import draw_noise, noisy, observe
 from examples.concealed.design import Joint, Robot, config_text, draw_robot
 from examples.concealed.mechanism import Effects, simulate
-from examples.concealed.protocol import Needs, Protocol, RunPlan, draw_protocol
+from examples.concealed.protocol import REQUESTS, Needs, Protocol, RunPlan, draw_protocol, requested_protocol
 from examples.concealed.recipes import JOINT_EFFECTS, OUTSIDE, RECIPES, TWINS, Context
 from examples.concealed.refit import Rows, surviving
 
@@ -29,11 +29,16 @@ NOISE_RANGE = {"curvature": (0.05, 0.5), "bend": (0.1, 0.6), "notch": (0.1, 0.6)
 
 @dataclass(frozen=True)
 class Case:
-    """A recording with its configuration (both handed out) and its truth (sealed)."""
+    """A recording with its configuration (both handed out) and its truth (sealed).
+
+    `held_out` names the run kept from fitting; `laboratory` holds the further recordings that an answer may ask for.
+    """
 
     config_text: str
     files: dict[str, str]
     truth: dict[str, object]
+    held_out: tuple[str, ...] = ()
+    laboratory: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass
@@ -48,6 +53,7 @@ class World:
     curvature: float
     protocol: Protocol
     streams: list[int] = field(default_factory=list)
+    held_out: int | None = None
 
 
 # -- simulation of a whole protocol ---------------------------------------------------------------------------------------
@@ -139,8 +145,10 @@ def draw_world(seed: int, level: str | None = None, effect: str | None = None) -
     rng = np.random.default_rng([seed, 20230714])
     if level is None:
         level = "L1" if effect in JOINT_EFFECTS else "L6" if effect in OUTSIDE else str(rng.choice(list(LEVELS), p=list(LEVELS.values())))
-    for attempt in range(40):
-        found = _try_world(np.random.default_rng([seed, 77, attempt]), seed, level, effect)
+    for attempt in range(42):
+        # The same effect is tried with many protocols before another is taken, so that none is rarer for being harder to show.
+        names = _choose_effects(np.random.default_rng([seed, 78, attempt // 14]), level, effect)
+        found = _try_world(np.random.default_rng([seed, 77, attempt]), seed, level, names)
         if found is not None:
             return found[0], level, found[1], found[2]
     raise RuntimeError(f"seed {seed}: no protocol shows {effect} at {level}")
@@ -173,6 +181,16 @@ def _one_length(p: Protocol) -> bool:
     return p.lengths == 1
 
 
+def _held_out(rng: np.random.Generator, protocol: Protocol, needs: Sequence[Needs]) -> int | None:
+    """A run without which the recording still shows what it showed; none when there are fewer than three."""
+    if len(protocol.runs) < 3:
+        return None
+    for run in rng.permutation(len(protocol.runs)):
+        if all(need(protocol.without(int(run))) for need in needs):
+            return int(run)
+    return None
+
+
 # Protocols in which the base model's own parameters absorb the effect, or nothing can show it.
 HIDING: dict[str, Needs] = {
     "capstan_hysteresis": _loading_only, "coulomb_friction": _loading_only, "backlash": _loading_only, "tendon_permanent_set": _loading_only,
@@ -183,8 +201,7 @@ HIDING: dict[str, Needs] = {
 }
 
 
-def _try_world(rng: np.random.Generator, seed: int, level: str, effect: str | None) -> tuple[World, list[str], dict[str, float]] | None:
-    names = _choose_effects(rng, level, effect)
+def _try_world(rng: np.random.Generator, seed: int, level: str, names: list[str]) -> tuple[World, list[str], dict[str, float]] | None:
     donors = names or [str(rng.choice(list(JOINT_EFFECTS)))]
     wrist = all(RECIPES[name].wrist for name in donors) and rng.random() < min(RECIPES[name].wrist for name in donors)
     robot = draw_robot(rng, wrist=wrist)
@@ -192,7 +209,8 @@ def _try_world(rng: np.random.Generator, seed: int, level: str, effect: str | No
     length = robot.middles[0].count * robot.middles[0].pitch if wrist else None
     for _ in range(300):
         protocol = draw_protocol(rng, len(robot.outers), len(robot.middles), wrist=length)
-        if all(need(protocol) for need in needs):
+        held_out = _held_out(rng, protocol, needs)
+        if all(need(protocol) for need in needs) and (held_out is not None or len(protocol.runs) < 3):
             break
     else:
         return None
@@ -203,7 +221,7 @@ def _try_world(rng: np.random.Generator, seed: int, level: str, effect: str | No
     noise = draw_noise(rng)
     low, high = NOISE_RANGE[protocol.response]
     sigma = float(np.exp(rng.uniform(np.log(low), np.log(high))))
-    world = World(robot, actual, {}, noise, sigma, curvature, protocol, [seed, int(rng.integers(2**31))])
+    world = World(robot, actual, {}, noise, sigma, curvature, protocol, [seed, int(rng.integers(2**31))], held_out)
     if not names:
         return world, names, {}
     context = _context(actual, protocol, curvature)
@@ -335,9 +353,7 @@ def record(world: World, seed: int, level: str, names: list[str], sizes: Mapping
     played = play_protocol(world.actual, world.protocol, world.effects, world.curvature, world.streams)
     rng = np.random.default_rng([*world.streams, 5])
     truth = played.response + misfit(rng, played, world)
-    # Noise runs on through a run and starts afresh in the next.
-    seen = np.concatenate([noisy(truth[played.rows.run == run], world.sigma, world.noise, rng) for run in range(len(world.protocol.runs))])
-    files, runs = write_files(rng, world, played, seen)
+    files, runs = write_files(rng, world, played, camera(rng, world, truth, played))
     sealed: dict[str, object] = {
         "level": level, "seed": seed, "kind": "joint",
         "effects": [{"id": name, "kind": RECIPES[name].kind, "component": RECIPES[name].component, "noise_widths": round(sizes.get(name, 0.0), 3),
@@ -356,7 +372,27 @@ def record(world: World, seed: int, level: str, names: list[str], sizes: Mapping
         "protocol": {name: world.protocol.runs[i].kind for i, name in enumerate(runs)},
         "response": {name: np.round(truth[played.rows.run == i], 6).tolist() for i, name in enumerate(runs)},
     }
-    return Case(config_text(world.robot), files, sealed)
+    held_out = () if world.held_out is None else (runs[world.held_out],)
+    laboratory = {}
+    if level == "L2":
+        for number, request in enumerate(REQUESTS):
+            laboratory[request] = further_recording(world, request, number)
+    return Case(config_text(world.robot), files, sealed, held_out, laboratory)
+
+
+def further_recording(world: World, request: str, number: int) -> str:
+    """One more recording of the same world by a protocol that was asked for, as CSV text."""
+    rng = np.random.default_rng([*world.streams, 9, number])
+    again = replace(world, protocol=requested_protocol(rng, request, world.protocol), streams=[*world.streams, 9, number])
+    played = play_protocol(again.actual, again.protocol, again.effects, again.curvature, again.streams)
+    truth = played.response + misfit(rng, played, again)
+    files, _ = write_files(rng, again, played, camera(rng, again, truth, played), style="more_{}", one_file=True)
+    return files["recording.csv"]
+
+
+def camera(rng: np.random.Generator, world: World, truth: Array, played: Played) -> Array:
+    """The response as recorded; noise runs on through a run and starts afresh in the next."""
+    return np.concatenate([noisy(truth[played.rows.run == run], world.sigma, world.noise, rng) for run in range(len(world.protocol.runs))])
 
 
 def misfit(rng: np.random.Generator, played: Played, world: World) -> Array:
@@ -369,10 +405,11 @@ def misfit(rng: np.random.Generator, played: Played, world: World) -> Array:
     return size * np.sqrt(2) * np.sin(2 * np.pi * turns * played.response / full + phase + 1.5 * length + notch)
 
 
-def write_files(rng: np.random.Generator, world: World, played: Played, seen: Array) -> tuple[dict[str, str], list[str]]:
+def write_files(rng: np.random.Generator, world: World, played: Played, seen: Array, *, style: str | None = None,
+                one_file: bool = False) -> tuple[dict[str, str], list[str]]:
     """CSV text of one or several files and the names of the runs."""
     protocol, driven = world.protocol, world.actual.joint.tendon_radius > 0
-    style = str(rng.choice(["run_{}", "r{}", "test{}", "{}"]))
+    style = style or str(rng.choice(["run_{}", "r{}", "test{}", "{}"]))
     runs = [style.format(i + 1) for i in range(len(protocol.runs))]
     header = ["run"] + (["time_s"] if protocol.has_time else []) + ["outer", "middle", "bending_length_mm"]
     header += (["stroke_mm"] if driven else ["tension_n"]) + (["tension_n"] if protocol.has_tension and driven else [])
@@ -389,7 +426,7 @@ def write_files(rng: np.random.Generator, world: World, played: Played, seen: Ar
         cells += ["" if np.isnan(value) else f"{value:.4f}" for value in seen[row]]
         blocks[run].append(",".join(cells))
     head = ",".join(header)
-    if rng.random() < 0.7:
+    if one_file or rng.random() < 0.7:
         return {"recording.csv": "\n".join([head, *(line for block in blocks for line in block)]) + "\n"}, runs
     return {f"recording_{i + 1}.csv": "\n".join([head, *block]) + "\n" for i, block in enumerate(blocks)}, runs
 

@@ -79,7 +79,7 @@ class Segment:
         self.count = max(4, round(exact))
         self.weight = exact / self.count
         self.pitch = pitch
-        spread = 1 + 0.004 * rng.standard_normal(self.count) * (0.0 if joint.tendon_radius == 0 else 1.0)
+        spread = 1 + 0.001 * rng.standard_normal(self.count) * (0.0 if joint.tendon_radius == 0 else 1.0)
         self.compliance = spread / spread.mean()
         self.law = BendingLaw(effects, largest)
         self.arm, self.rigidity = joint.arm, joint.rigidity

@@ -7,7 +7,7 @@ A protocol is drawn first, without looking at what was left out; an effect then 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,6 +45,10 @@ class Protocol:
 
     def kinds(self) -> set[str]:
         return {run.kind for run in self.runs}
+
+    def without(self, run: int) -> Protocol:
+        """The protocol that is left when a run is held out."""
+        return replace(self, runs=self.runs[:run] + self.runs[run + 1 :])
 
     def has(self, *names: str) -> bool:
         return bool(self.kinds() & set(names))
@@ -140,3 +144,27 @@ def draw_protocol(rng: np.random.Generator, outers: int, middles: int, *, wrist:
         plans.append(RunPlan(outer, middle, float(lengths[index % len(lengths)]), kind, time, fraction, recorded))
     return Protocol(tuple(plans), "notch" if wrist is not None else str(rng.choice(["curvature", "curvature", "bend"])),
                     bool(rng.random() < 0.75), bool(wrist is None and rng.random() < 0.35), slack, dt)
+
+
+# What a proposal in words asks for, and the runs a laboratory would then record.
+REQUESTS: dict[str, tuple[str, tuple[str, ...]]] = {
+    "release": (r"releas|unload|revers|return|cycle|hysteres|back down", ("partial", "triangle", "cycles")),
+    "holds": (r"hold|dwell|stair|creep", ("ladder_down", "ladder")),
+    "lengths": (r"bending length|x2|lengths", ("triangle", "triangle", "triangle")),
+    "rates": (r"rate|speed|fast|slow|time", ("rates", "rates")),
+    "slack": (r"slack|zero tension|at rest|no tension|below the dead|zero stroke", ("triangle", "triangle", "triangle")),
+    "tension": (r"tension|force|load cell", ("triangle", "partial")),
+}
+
+
+def requested_protocol(rng: np.random.Generator, request: str, given: Protocol) -> Protocol:
+    """The protocol of one further recording of the same robot; everything else stays as it was."""
+    kinds = REQUESTS[request][1]
+    first = given.runs[0]
+    lengths = [12e-3, 24e-3, 38e-3] if request in ("lengths", "slack") else sorted({run.length for run in given.runs})
+    plans = []
+    for index, kind in enumerate(kinds):
+        time, fraction, recorded = _run(rng, kind, 110, given.dt, 0.0, 0.0)
+        plans.append(RunPlan(first.outer, first.middle, lengths[index % len(lengths)], kind, time, fraction, recorded))
+    return replace(given, runs=tuple(plans), has_time=True, has_tension=request == "tension" or given.has_tension,
+                   slack_start=request == "slack" or given.slack_start)

@@ -52,14 +52,20 @@ def build_all(jobs: list[tuple[str, int, str | None, str | None]], workers: int)
 
 def write(out: Path, cases: Iterable[tuple[str, Case]]) -> str:
     """Write `out`/cases/<id>/ and the sealed truths; returns the seal's SHA-256."""
-    truths = {}
+    truths, held_out = {}, {}
     for name, case in cases:
         folder = out / "cases" / name
         folder.mkdir(parents=True, exist_ok=True)
         (folder / "tubes.toml").write_text(case.config_text, encoding="utf-8")
         for file, text in case.files.items():
             (folder / file).write_text(text, encoding="utf-8")
+        for request, text in case.laboratory.items():
+            shelf = out / "laboratory" / name
+            shelf.mkdir(parents=True, exist_ok=True)
+            (shelf / f"{request}.csv").write_text(text, encoding="utf-8")
         truths[name] = case.truth
+        held_out[name] = list(case.held_out)
+    (out / "held_out.json").write_text(json.dumps(held_out, sort_keys=True, indent=0) + "\n", encoding="utf-8")
     blob = json.dumps(truths, sort_keys=True, default=_plain, separators=(",", ":")).encode()
     (out / SEALED).write_bytes(blob)
     digest = hashlib.sha256(blob).hexdigest()

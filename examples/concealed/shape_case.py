@@ -444,7 +444,11 @@ def _record(rng: np.random.Generator, seed: int, level: str, names: list[str], s
         "configured": {"youngs_modulus_gpa": robot.joint.youngs_modulus / 1e9},
         "response": sealed_points,
     }
-    return Case(config_text(robot), files, sealed)
+    # A photograph can be spared where the same tube lies the other way up in another one, or was taken twice.
+    tubes = [(run.outer, run.middle) for run in runs]
+    spare = [label for label, which in zip(labels, tubes, strict=True) if tubes.count(which) > 1]
+    held_out = (spare[int(rng.integers(len(spare)))],) if len(runs) >= 3 and spare else ()
+    return Case(config_text(robot), files, sealed, held_out)
 
 
 def _where(scene: Scene, names: list[str]) -> list[dict[str, object]]:
