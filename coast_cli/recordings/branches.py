@@ -23,6 +23,7 @@ REVERSAL_IN_SIGMAS = 6.0
 REVERSAL_IN_TRAVEL = 1e-3
 SHORTEST_HOLD = 3
 STAIR_IN_TRAVEL = 0.01
+FLICKER = 0.1
 
 
 @dataclass(frozen=True)
@@ -73,19 +74,34 @@ def find_branches(drive: Floats, time: Floats | None = None) -> Branches:
     The first sample counts with the branch that leaves it.
     """
     drive = np.asarray(drive, dtype=np.float64)
-    noise = difference_noise(drive)
+    noise = _drive_noise(drive)
     travel = float(np.ptp(drive))
     if travel <= 4.0 * noise or travel == 0.0:
         direction = np.zeros(len(drive), dtype=np.int64)
     else:
         exact = noise < 1e-3 * STAIR_IN_TRAVEL * travel
         gate = 0.0 if exact else max(REVERSAL_IN_SIGMAS * noise, REVERSAL_IN_TRAVEL * travel)
-        direction = _directions(drive, _turning_points(drive, max(gate, 1e-9 * travel)))
+        points = _turning_points(drive, max(gate, 1e-9 * travel))
+        if exact and len(points) > max(4, FLICKER * len(drive)):
+            steps = np.abs(np.diff(drive))
+            points = _turning_points(drive, 1.5 * float(steps[steps > 1e-9 * travel].min()))
+        direction = _directions(drive, points)
         held = _exact_holds(drive, travel) if exact else _noisy_holds(drive, noise, time)
         direction[held] = 0
         if len(direction) > 1:
             direction[0] = direction[1]
     return _branches(direction, noise)
+
+
+def _drive_noise(drive: Floats) -> float:
+    """Return the noise on a drive: the least that differences of any order see, as a step or a stair spoils some."""
+    if len(drive) < 8:
+        return 0.0
+    levels = []
+    for order, gain in ((1, 2.0), (2, 6.0), (3, 20.0)):
+        difference = np.diff(drive, order)
+        levels.append(float(np.median(np.abs(difference - np.median(difference)))) / np.sqrt(gain))
+    return min(levels) / 0.6744897501960817
 
 
 def difference_noise(values: Floats) -> float:
@@ -112,11 +128,11 @@ def _turning_points(drive: Floats, gate: float) -> list[int]:
         if value < values[low]:
             low = number
         if towards >= 0 and values[high] - value > gate:
-            if high and candidates[high] > points[-1]:
+            if towards or values[high] - values[0] > gate:
                 points.append(candidates[high])
             towards, low, high = -1, number, number
         elif towards <= 0 and value - values[low] > gate:
-            if low and candidates[low] > points[-1]:
+            if towards or values[0] - values[low] > gate:
                 points.append(candidates[low])
             towards, low, high = 1, number, number
     if points[-1] != len(drive) - 1:

@@ -222,7 +222,11 @@ def _cut(series: Series, index: NDArray[np.int64], degree: int, *, uneven: bool)
     for offset in np.linspace(0, len(index) - size, count).round().astype(int):
         rows = index[offset : offset + size]
         coordinate = _coordinate(series.drive[rows]) if uneven and series.drive is not None else None
-        blocks.append(Block(series.values[rows], coordinate, degree))
+        values = series.values[rows]
+        if coordinate is None and rows[-1] - rows[0] >= size:
+            # closing a gap up must not make a jump of the slope: what the block counts as signal goes first
+            values = values - np.polynomial.Polynomial.fit(rows, values, degree)(rows)
+        blocks.append(Block(values, coordinate, degree))
     return blocks
 
 
