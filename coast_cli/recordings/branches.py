@@ -101,7 +101,7 @@ def _drive_noise(drive: Floats) -> float:
     for order, gain in ((1, 2.0), (2, 6.0), (3, 20.0)):
         difference = np.diff(drive, order)
         levels.append(float(np.median(np.abs(difference - np.median(difference)))) / np.sqrt(gain))
-    return min(levels) / 0.6744897501960817
+    return float(min(levels) / 0.6744897501960817)
 
 
 def difference_noise(values: Floats) -> float:
