@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from typing import IO
 
 from coast_cli.output.answer import Answer, Cell
 
 _WIDEST = 10_000  # the terminal may wrap a line; the table never drops a column
+_HEADING = 13  # characters of a line of a heading, where its words allow
+_WORDS = re.compile(r"(?:per_m|n_m2)$|[^_]+_?|_")
 
 
 def render(answer: Answer, stream: IO[str]) -> None:
@@ -16,7 +19,7 @@ def render(answer: Answer, stream: IO[str]) -> None:
     from rich.table import Table
     from rich.text import Text
 
-    table = Table(box=SIMPLE_HEAD, pad_edge=False, show_edge=False)
+    table = Table(box=SIMPLE_HEAD, pad_edge=False, show_edge=False, padding=(0, 1, 0, 0))
     names = [name for name in next(iter(answer.rows), {}) if any(row[name] is not None for row in answer.rows)]
     for name in names:
         numeric = any(isinstance(row[name], int | float) for row in answer.rows[:100])
@@ -31,16 +34,13 @@ def render(answer: Answer, stream: IO[str]) -> None:
         stream.write(f"\n{config['file']}  sha256 {config['sha256'][:16]}\n")
 
 
-def _heading(name: str, width: int = 14) -> list[str]:
-    """Break a long column name at its underscores."""
+def _heading(name: str) -> list[str]:
+    """Break a long column name at its underscores, the unit kept in one piece."""
     lines = [""]
-    for word in name.split("_"):
-        joined = f"{lines[-1]}_{word}" if lines[-1] else word
-        if len(joined) <= width or not lines[-1]:
-            lines[-1] = joined
-        else:
-            lines[-1] += "_"
-            lines.append(word)
+    for word in _WORDS.findall(name):
+        if lines[-1] and len(lines[-1] + word.rstrip("_")) > _HEADING:
+            lines.append("")
+        lines[-1] += word
     return lines
 
 

@@ -85,6 +85,8 @@ class Design:
 def build(config: Config) -> Design:
     """Return the design a configuration describes."""
     notes: dict[str, None] = {}  # each once, in order
+    if config.corrections:
+        notes[f"the corrections {', '.join(config.corrections)} act on recordings only and are left out here."] = None
     outer, middle = (
         tuple(build_tube(config, tube, notes) for tube in bench_tubes(config, role)) for role in ("outer", "middle")
     )

@@ -232,8 +232,11 @@ def _check_corrections(config: Config) -> None:
         if effect not in CATALOGUE:
             known = list(CATALOGUE)
             raise config.refuse(path, "there is no such effect", allowed=", ".join(known), hint=nearest(effect, known))
-        known = [parameter.name for parameter in CATALOGUE[effect].parameters]
-        for name in parameters:
-            if name not in known:
-                allowed, hint = ", ".join(known), nearest(name, known)
+        ranges = {parameter.name: (parameter.low, parameter.high) for parameter in CATALOGUE[effect].parameters}
+        for name, value in parameters.items():
+            if name not in ranges:
+                allowed, hint = ", ".join(ranges), nearest(name, ranges)
                 raise config.refuse((*path, name), "there is no such parameter", allowed=allowed, hint=hint)
+            low, high = ranges[name]
+            if not low <= value <= high:
+                raise config.refuse((*path, name), "not allowed", found=value, allowed=f"from {low:g} to {high:g}")

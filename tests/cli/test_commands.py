@@ -4,6 +4,7 @@ import csv
 import io
 import json
 import tomllib
+from itertools import pairwise
 
 import pytest
 
@@ -105,7 +106,7 @@ def test_the_leading_tube_is_said(coast, reference):
         assert row["leading_tube"] == ("outer" if row["signed_precurvature_rad"] > 0 else "middle")
 
 
-def test_ranking_needs_both_tubes(coast, edited, reference_text, tmp_path):
+def test_ranking_needs_both_tubes(coast, reference_text, tmp_path):
     start, end = reference_text.index("[outer]"), reference_text.index("[middle]")
     config = tmp_path / "one.toml"
     config.write_text((reference_text[:start] + reference_text[end:]).replace('pair = "OT4/MT1"', 'pair = "MT1"'))
@@ -154,7 +155,8 @@ def test_stroke_without_a_config_says_what_it_reads(coast, reference, tmp_path, 
     assert ran.code == 0
     assert "the reference input that ships in the package" in ran.err
     (tmp_path / "configs").mkdir()
-    (tmp_path / "configs" / "tubes.toml").write_text(reference.read_text().replace("deadband_mm = 1.2", "deadband_mm = 0.2"))
+    changed = reference.read_text().replace("deadband_mm = 1.2", "deadband_mm = 0.2")
+    (tmp_path / "configs" / "tubes.toml").write_text(changed)
     other = coast("stroke", "--kappa", "20", "--x2", "20", "-f", "csv")
     assert "configs/tubes.toml" in other.err
     assert other.out != ran.out
@@ -197,7 +199,7 @@ def test_beam_points_are_places_on_the_same_curve(coast, reference):
 def test_beam_curvature_is_the_slope_of_its_angle(coast, reference):
     found = rows(coast("beam", reference, "--tube", "MT2", "--points", "30001", "-f", "json"))
     step = (found[1]["arc_length_mm"] - found[0]["arc_length_mm"]) / 1e3
-    for before, after in zip(found[1000:1100], found[1001:1101], strict=True):
+    for before, after in pairwise(found[1000:1101]):
         slope = (after["angle_deg"] - before["angle_deg"]) * 3.141592653589793 / 180 / step
         if before["curvature_per_m"] == pytest.approx(after["curvature_per_m"], rel=1e-2):
             assert slope == pytest.approx(after["curvature_per_m"], rel=1e-2)

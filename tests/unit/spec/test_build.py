@@ -87,7 +87,7 @@ def test_a_pair_that_is_not_there(reference, pair):
 
 def test_a_pair_that_does_not_nest_is_no_joint(edited):
     config = load_config(edited(('name = "MT1"', 'name = "MT1"\nouter_diameter_mm = 0.45')))
-    with pytest.raises(BadInput, match="tubes.toml:80:1: joint.pair: the pair cannot be assembled: MT1"):
+    with pytest.raises(BadInput, match=r"tubes\.toml:80:1: joint\.pair: the pair cannot be assembled: MT1"):
         build_joint(config, "OT4", "MT1")
 
 
@@ -107,8 +107,13 @@ def test_a_configuration_without_a_joint(reference_text):
 
 
 def test_an_unknown_tube(reference):
-    with pytest.raises(BadInput, match="OT5.*Did you mean"):
+    with pytest.raises(BadInput, match=r"OT5.*Did you mean"):
         build(load_config(reference)).tube("OT5")
+
+
+def test_corrections_are_left_out_of_a_design_and_that_is_said(reference_text):
+    design = build(load_config_text(reference_text + "\n[corrections.backlash]\nwidth_mm = 0.1\n"))
+    assert any("corrections backlash" in note for note in design.notes)
 
 
 def test_the_digest_is_of_what_is_said_not_of_how(reference_text):
