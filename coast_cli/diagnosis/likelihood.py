@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,11 @@ COLOURS: tuple[tuple[float, float], ...] = (
     (0.0, 1.0),
     *((memory, white) for memory in (0.3, 0.5, 0.7, 0.85, 0.93, 0.97, 0.99) for white in (0.0, 0.3, 0.6, 0.85)),
 )
+# (length over which a smooth curve bends, in samples, white share): the null's rival in ``structure``
+SMOOTH: tuple[tuple[float, float], ...] = tuple(
+    (length, white) for length in (4.0, 8.0, 16.0, 32.0) for white in (0.9, 0.7, 0.4, 0.15, 0.05, 0.015, 0.003)
+)
+Kernel = Literal["rough", "smooth"]
 _CHUNK = 96
 
 
@@ -46,9 +52,11 @@ class NoiseBank:
     Args:
         sequences: for each sequence the row numbers of its samples (gaps are dropped frames), each (n_i,); residual
             vectors are these sequences one after the other.
+        kernel: "rough" for AR(1) noise (``COLOURS``), "smooth" for curves that noise does not draw (``SMOOTH``).
     """
 
-    def __init__(self, sequences: Sequence[Integers]) -> None:
+    def __init__(self, sequences: Sequence[Integers], kernel: Kernel = "rough") -> None:
+        self._kernel: Kernel = kernel
         groups: dict[bytes, list[Integers]] = {}
         start = 0
         for rows in sequences:
@@ -60,9 +68,9 @@ class NoiseBank:
             start += rows.size
         self.size = start
         self._chunks: list[tuple[Integers, FloatArray]] = []
-        log_determinant = np.zeros(len(COLOURS))
+        log_determinant = np.zeros(len(_colours(kernel)))
         for key, places in groups.items():
-            inverse, chunk_log_determinant = _factors(key)
+            inverse, chunk_log_determinant = _factors(key, kernel)
             self._chunks.append((np.stack(places), inverse))
             log_determinant += len(places) * chunk_log_determinant
         self._log_determinant = log_determinant
@@ -71,13 +79,17 @@ class NoiseBank:
         """Return the likelihood of a residual (n,) with level and colour fitted."""
         if self.size == 0:
             return Evidence(0.0, 0.0, 0)
-        quadratic = np.zeros(len(COLOURS))
+        quadratic = np.zeros(len(_colours(self._kernel)))
         for places, inverse in self._chunks:
             quadratic += np.sum((inverse @ residual[places].T) ** 2, axis=(1, 2))
         variance = np.maximum(quadratic / self.size, 1e-300)
         log_likelihood = -0.5 * self.size * (np.log(2.0 * np.pi * variance) + 1.0) - 0.5 * self._log_determinant
         best = int(np.argmax(log_likelihood))
         return Evidence(float(log_likelihood[best]), float(np.sqrt(variance[best])), best)
+
+    def white_share(self, colour: int) -> float:
+        """Return the share of white noise in the variance of a colour."""
+        return _colours(self._kernel)[colour][1]
 
     def whiten(self, values: FloatArray, colour: int) -> FloatArray:
         """Return values (n,) or (n, p) decorrelated under a colour, at unit level."""
@@ -89,20 +101,30 @@ class NoiseBank:
         return out
 
 
-_CACHE: dict[bytes, tuple[FloatArray, FloatArray]] = {}
+_CACHE: dict[tuple[bytes, Kernel], tuple[FloatArray, FloatArray]] = {}
 
 
-def _factors(key: bytes) -> tuple[FloatArray, FloatArray]:
+def _colours(kernel: Kernel) -> tuple[tuple[float, float], ...]:
+    return COLOURS if kernel == "rough" else SMOOTH
+
+
+def _factors(key: bytes, kernel: Kernel) -> tuple[FloatArray, FloatArray]:
     """Return the inverse Cholesky factors (colours, m, m) and log determinants (colours,) of one chunk."""
-    found = _CACHE.get(key)
+    found = _CACHE.get((key, kernel))
     if found is None:
         rows = np.frombuffer(key, dtype=np.int64)
         lag = np.abs(rows[:, np.newaxis] - rows)
-        covariance = np.stack([(1.0 - white) * memory**lag + white * np.eye(rows.size) for memory, white in COLOURS])
+        covariance = np.stack([(1.0 - white) * _correlation(lag, p, kernel) + white * np.eye(rows.size) for p, white in _colours(kernel)])
         factor = np.linalg.cholesky(covariance)
         log_determinant = 2.0 * np.sum(np.log(np.diagonal(factor, axis1=1, axis2=2)), axis=1)
         found = np.linalg.inv(factor), log_determinant
         if len(_CACHE) > 256:
             _CACHE.clear()
-        _CACHE[key] = found
+        _CACHE[key, kernel] = found
     return found
+
+
+def _correlation(lag: Integers, parameter: float, kernel: Kernel) -> FloatArray:
+    if kernel == "rough":
+        return np.asarray(parameter**lag)
+    return np.exp(-0.5 * (lag / parameter) ** 2)

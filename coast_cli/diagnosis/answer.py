@@ -1,0 +1,91 @@
+"""The five answers of a diagnosis, as a frozen result that every output format reads."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+from coast_cli.diagnosis.locate import Region
+from coast_cli.effects.effect import Effect
+
+Verdict = Literal["agrees", "parameters", "physics", "sensor", "ambiguous", "unexplained", "insufficient"]
+
+
+@dataclass(frozen=True, slots=True)
+class Value:
+    """A fitted number: value, standard deviation, and whether it lies on a bound."""
+
+    value: float
+    std: float
+    at_bound: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Named:
+    """A named effect with its fitted parameters and the calibrated probability that it is the right name."""
+
+    id: str
+    kind: str
+    component: str
+    title: str
+    equation: str
+    confidence: float
+    parameters: Mapping[str, Value]
+
+
+@dataclass(frozen=True, slots=True)
+class Level:
+    """Errors on the rows fitted and on those held out, in the response's unit; None where nothing was held out."""
+
+    train: float
+    held_out: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """The model as configured, with its parameters refitted, and with the effects, side by side."""
+
+    unit: str
+    held_out_runs: tuple[str, ...]
+    rule: str
+    configured: Level
+    refitted: Level
+    with_effects: Level
+    tip_mm_refitted: float
+    tip_mm_with_effects: float
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """What ``coast diagnose`` answers.
+
+    Attributes:
+        verdict, reason: the first answer and a sentence on it.
+        noise, noise_unit: level of the noise that the recording itself shows.
+        where: regions of the mismatch, largest share first.
+        effects: named, the most important first; empty unless the verdict is physics, sensor or ambiguous.
+        alternatives: ids of other sets that the data cannot tell from the named one.
+        attempts: ids of the best set where it was not good enough to be named.
+        parameters: base parameters as refitted, beside ``configured``.
+        comparison: errors side by side; None where nothing could be fitted.
+        next_recording: what would settle what is open, in bench words.
+        notes: what limits the answer, a sentence each.
+        model_effects, model_parameters: the corrected model, for the model file.
+    """
+
+    verdict: Verdict
+    reason: str
+    noise: float
+    noise_unit: str
+    where: tuple[Region, ...] = ()
+    effects: tuple[Named, ...] = ()
+    alternatives: tuple[tuple[str, ...], ...] = ()
+    attempts: tuple[str, ...] = ()
+    parameters: Mapping[str, Value] = field(default_factory=dict)
+    configured: Mapping[str, float] = field(default_factory=dict)
+    comparison: Comparison | None = None
+    next_recording: str = ""
+    notes: tuple[str, ...] = ()
+    model_effects: tuple[Effect, ...] = ()
+    model_parameters: Mapping[str, float] = field(default_factory=dict)

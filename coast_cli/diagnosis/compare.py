@@ -1,0 +1,140 @@
+"""The errors of one model on recordings it was not fitted to, run by run and pooled: P's Tables III, IV and V."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from coast_cli.diagnosis.errors import UNITS, tip_of, to_unit
+from coast_cli.diagnosis.problem import build_problem
+from coast_cli.diagnosis.shapes import ShapeErrors, shape_errors
+from coast_cli.recordings.noise import pooled_noise, recording_noise, run_noise
+from coast_cli.units import DEGREE, MILLIMETRE
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from coast_cli.recordings.model import JointRun, Recordings
+    from coast_cli.spec.config import Config
+
+    Floats = NDArray[np.float64]
+
+POOLED = "all"
+
+
+@dataclass(frozen=True, eq=False)
+class JointErrors:
+    """A joint run against its model.
+
+    Attributes:
+        run: the recording.
+        predicted: response of the model, [n, k], SI.
+        difference: predicted less recorded response, [n, k], NaN where a frame was dropped.
+        tip: distance between the tips that both stand for, m, of the samples with a whole response.
+    """
+
+    run: JointRun
+    predicted: Floats
+    difference: Floats
+    tip: Floats
+
+    @property
+    def curvature(self) -> Floats:
+        """Difference in the curvature of the whole segment, 1/m, of the samples with a whole response."""
+        whole = self.run.valid
+        total = self.difference[whole].sum(axis=1)
+        return total if self.run.kind == "curvature" else total / self.run.bending_length[whole]
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """Every run of a call against one model, in the order of the files."""
+
+    joint: tuple[JointErrors, ...]
+    shape: tuple[ShapeErrors, ...]
+
+    def rows(self) -> list[dict[str, str | float | int | None]]:
+        """Return a row for each run and, last, one for all of them together."""
+        rows = [_row(one.run.name, [one], (), run_noise(one.run).level) for one in self.joint]
+        rows += [_row(one.run.name, (), [one], _shape_noise([one])) for one in self.shape]
+        return [*rows, _row(POOLED, self.joint, self.shape, self._noise())]
+
+    def _noise(self) -> float | None:
+        if len(_units(self.joint, self.shape)) != 1:
+            return None
+        return recording_noise(one.run for one in self.joint).level if self.joint else _shape_noise(self.shape)
+
+
+def compare(config: Config, recordings: Recordings) -> Comparison:
+    """Return the errors of a configuration, with the corrections it carries, on recordings.
+
+    Raises:
+        BadInput: a run's tubes or drive do not go with the configuration.
+    """
+    joint = tuple(_joint_errors(config, recordings.joint.runs)) if recordings.joint else ()
+    shape = tuple(shape_errors(config, recordings.shape.runs)) if recordings.shape else ()
+    return Comparison(joint, shape)
+
+
+def _joint_errors(config: Config, runs: Sequence[JointRun]) -> list[JointErrors]:
+    """Predict runs of one kind together, as what a run leaves in the tendon is carried to the next."""
+    kinds: dict[tuple[str, int, bool], list[int]] = {}
+    for index, run in enumerate(runs):
+        kinds.setdefault((run.kind, run.response.shape[1], run.stroke is None), []).append(index)
+    found: dict[int, JointErrors] = {}
+    for members in kinds.values():
+        problem = build_problem(config, [runs[index] for index in members])
+        for index, prediction in zip(members, problem.predict(problem.configured(), ()), strict=True):
+            run, response = runs[index], prediction.response
+            whole = run.valid
+            pitch = float(np.mean(problem.joints[run.pair].middle.pitch))
+            x, y = tip_of(run, response[whole], run.bending_length[whole], pitch)
+            seen_x, seen_y = tip_of(run, run.response[whole], run.bending_length[whole], pitch)
+            found[index] = JointErrors(run, response, response - run.response, np.hypot(x - seen_x, y - seen_y))
+    return [found[index] for index in range(len(runs))]
+
+
+def _shape_noise(shapes: Sequence[ShapeErrors]) -> float:
+    """Return the noise of points across both axes, mm."""
+    level = pooled_noise([series for one in shapes for series in one.series]).level
+    return float(np.sqrt(2.0)) * level / MILLIMETRE
+
+
+def _units(joint: Sequence[JointErrors], shape: Sequence[ShapeErrors]) -> set[str]:
+    return {UNITS[one.run.kind] for one in joint} | ({"shape_mm"} if shape else set())
+
+
+def _row(
+    name: str, joint: Sequence[JointErrors], shape: Sequence[ShapeErrors], noise: float | None
+) -> dict[str, str | float | int | None]:
+    units = _units(joint, shape)
+    unit = next(iter(units)) if len(units) == 1 else None
+    by_kind = {kind: [one for one in joint if one.run.kind == kind] for kind in UNITS}
+    count = sum(int(np.isfinite(one.difference).sum()) for one in joint) + sum(len(one.distance) for one in shape)
+    if noise is not None and joint:
+        noise = to_unit(joint[0].run.kind, noise)
+    return {
+        "run": name,
+        "n": count,
+        "rmse_curvature_per_m": _rms([one.curvature for one in joint]),
+        "rmse_bend_deg": _rms([one.difference for one in by_kind["bend"]], DEGREE),
+        "rmse_notch_deg": _rms([one.difference for one in by_kind["notch"]], DEGREE),
+        "rmse_shape_mm": _rms([one.distance for one in shape], MILLIMETRE),
+        "rmse_tip_mm": _rms([*(one.tip for one in joint), *(one.distance[-1:] for one in shape)], MILLIMETRE),
+        "noise": noise,
+        "noise_unit": unit,
+    }
+
+
+def _rms(parts: Sequence[Floats], unit: float = 1.0) -> float | None:
+    """Return the root mean square of all finite values, in a unit; None where there are none."""
+    values = np.concatenate([part[np.isfinite(part)].ravel() for part in parts]) if parts else np.zeros(0)
+    return float(np.sqrt(np.mean(values**2))) / unit if values.size else None
+
+
+def summary_of(rows: Sequence[Mapping[str, str | float | int | None]]) -> Mapping[str, str | float | int | None]:
+    """Return the pooled row."""
+    return next(row for row in rows if row["run"] == POOLED)

@@ -1,0 +1,291 @@
+"""Diagnose a joint recording: is there a mismatch, where, what was left out, the model with it, and is that better."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from coast_cli.diagnosis.answer import Comparison, Diagnosis, Level, Named, Value, Verdict
+from coast_cli.diagnosis.contest import Contest, Hypothesis, run_contest
+from coast_cli.diagnosis.errors import UNITS, errors_of, to_unit
+from coast_cli.diagnosis.fit import Fit, fit
+from coast_cli.diagnosis.holdout import HoldOut, hold_out
+from coast_cli.diagnosis.locate import locate
+from coast_cli.diagnosis.problem import Problem, build_problem
+from coast_cli.diagnosis.structure import Structure, find_structure
+from coast_cli.effects.catalogue import CATALOGUE
+from coast_cli.effects.effect import Effect
+from coast_cli.mechanics.section import FloatArray
+
+if TYPE_CHECKING:
+    from coast_cli.recordings.model import JointRun
+    from coast_cli.spec.config import Config
+
+# A record whose residual stands this far above its own noise floor is not explained by noise.
+_ABOVE_NOISE = 1.9
+# Structure left over is tolerated up to these shares of the noise and of what was explained.
+_OF_NOISE = 0.6
+_OF_EXPLAINED = 0.35
+# A base parameter has moved when the refit gains this many nats and changes the fit by this share of the noise.
+_PARAMETERS_GAIN = 6.0
+_PARAMETERS_SIZE = 0.35
+_FEWEST_SAMPLES = 12
+
+
+def diagnose_joint(
+    config: Config, runs: Sequence[JointRun], *, named_hold_out: Sequence[str] = (), most_effects: int = 5
+) -> Diagnosis:
+    """Return the diagnosis of a joint recording.
+
+    Args:
+        config: the model that disagrees, its corrections included.
+        runs: of one kind of response. named_hold_out: runs that no fit may see.
+        most_effects: largest set that is tried.
+
+    Raises:
+        BadInput: a run to hold out does not exist.
+    """
+    kept_back = hold_out(runs, named_hold_out)
+    problem = build_problem(config, runs, kept_back.rows)
+    reason = _insufficient(problem)
+    if reason:
+        kind = problem.runs[0].kind
+        return Diagnosis("insufficient", reason, to_unit(kind, problem.noise), UNITS[kind],
+                         next_recording=_FIRST_RECORDING)  # fmt: skip
+    contest = run_contest(problem, most_effects)
+    return _Judge(problem, kept_back, contest).diagnosis()
+
+
+_FIRST_RECORDING = "load from slack to the largest stroke and release to zero, 200 samples or more, at two bending lengths"
+
+
+def _insufficient(problem: Problem) -> str:
+    """Return why the recording cannot decide anything, or an empty text."""
+    if problem.observed.size < max(_FEWEST_SAMPLES, 3 * len(problem.base)):
+        return f"only {problem.observed.size} samples can be fitted"
+    spans = [float(np.ptp(run.drive)) for run in problem.runs]
+    if max(spans) <= 0.0:
+        return "the drive never moves"
+    if float(np.ptp(problem.observed)) <= 2.0 * problem.noise:
+        return "the response never moves by more than its noise"
+    return ""
+
+
+@dataclass(frozen=True)
+class _Judge:
+    """Turns a contest into a verdict, and the verdict into figures."""
+
+    problem: Problem
+    kept_back: HoldOut
+    contest: Contest
+
+    def diagnosis(self) -> Diagnosis:
+        """Return the whole answer."""
+        problem, contest = self.problem, self.contest
+        leading = contest.leading
+        floor = _noise_floor(problem)
+        structure = find_structure(problem, leading.fit)
+        excess = _excess(leading.fit, floor, structure)
+        explained = float(np.sqrt(max(contest.base.fit.rmse**2 - leading.fit.rmse**2, 0.0)))
+        unexplained = excess > _OF_NOISE * min(floor, leading.fit.rmse) and excess > _OF_EXPLAINED * explained
+        final = self._final(leading.fit)
+        comparison = self._comparison(leading.fit)
+        if leading.ids and not unexplained and not _holds(comparison, leading):
+            unexplained = True
+        verdict = self._verdict(unexplained=unexplained)
+        named = self._named(leading, final, excess, explained) if verdict in ("physics", "sensor", "ambiguous") else ()
+        kind = problem.runs[0].kind
+        level = leading.fit.evidence.level if not unexplained else min(floor, leading.fit.rmse)
+        quiet = replace(contest.base.fit, evidence=replace(leading.fit.evidence, level=level))
+        where = () if verdict == "agrees" else locate(problem, quiet)
+        used = final if not unexplained else self._final(contest.base.fit)
+        return Diagnosis(
+            verdict=verdict,
+            reason=self._reason(verdict, excess, structure),
+            noise=to_unit(kind, level),
+            noise_unit=UNITS[kind],
+            where=where,
+            effects=named,
+            alternatives=tuple(other.ids for other in self._rivals()) if verdict == "ambiguous" else (),
+            attempts=leading.ids if unexplained else (),
+            parameters=_base_values(problem, used),
+            configured={parameter.name: parameter.value for parameter in problem.base},
+            comparison=comparison,
+            next_recording=self._next_recording(verdict),
+            notes=self._notes(),
+            model_effects=() if unexplained else final.effects,
+            model_parameters=problem.values(used.coordinates),
+        )
+
+    def _verdict(self, *, unexplained: bool) -> Verdict:
+        if unexplained:
+            return "unexplained"
+        if not self.contest.leading.ids:
+            return "parameters" if self._parameters_moved() else "agrees"
+        if self._rivals():
+            return "ambiguous"
+        first = _by_importance(self.problem, self.contest)[0]
+        return "sensor" if CATALOGUE[first].kind == "sensor" else "physics"
+
+    def _rivals(self) -> tuple[Hypothesis, ...]:
+        """Return alternatives as small as the leading set."""
+        if not self.contest.leading.ids:
+            return ()
+        size = len(self.contest.leading.ids)
+        return tuple(other for other in self.contest.alternatives() if 0 < len(other.ids) <= size)
+
+    def _parameters_moved(self) -> bool:
+        problem, base = self.problem, self.contest.base.fit
+        response, tension = problem.fitted(problem.predict(problem.configured(), ()))
+        as_configured = problem.bank.evidence(problem.observed - response).log_likelihood
+        as_configured += problem.tension_bank.evidence(problem.observed_tension - tension).log_likelihood
+        gain = base.log_likelihood - as_configured - 0.5 * len(problem.base) * np.log(problem.observed.size)
+        refitted, _ = problem.fitted(problem.predict(base.coordinates, ()))
+        size = float(np.sqrt(np.mean((response - refitted) ** 2))) / base.evidence.level
+        return bool(gain > _PARAMETERS_GAIN and size > _PARAMETERS_SIZE)
+
+    def _final(self, fitted: Fit) -> Fit:
+        """Return the fit on every run, unless the user named runs that no fit may see."""
+        if not self.kept_back.chosen or not any(rows.any() for rows in self.kept_back.rows):
+            return fitted
+        whole = self.problem.only([np.ones(len(run), bool) for run in self.problem.runs])
+        return fit(whole, fitted.effects, fitted.coordinates, steps=6)
+
+    def _comparison(self, fitted: Fit) -> Comparison:
+        problem, base = self.problem, self.contest.base.fit
+        held = self.kept_back.rows
+
+        def level(coordinates: FloatArray, effects: Sequence[Effect]) -> tuple[Level, float]:
+            train = errors_of(problem, coordinates, effects, problem.train)
+            out = errors_of(problem, coordinates, effects, held) if any(rows.any() for rows in held) else None
+            return Level(train.response, None if out is None else out.response), (out or train).tip_mm
+
+        configured, _ = level(problem.configured(), ())
+        refitted, tip_refitted = level(base.coordinates, ())
+        with_effects, tip_effects = level(fitted.coordinates, fitted.effects)
+        return Comparison(
+            unit=UNITS[problem.runs[0].kind],
+            held_out_runs=self.kept_back.runs,
+            rule=self.kept_back.rule,
+            configured=configured,
+            refitted=refitted,
+            with_effects=with_effects,
+            tip_mm_refitted=tip_refitted,
+            tip_mm_with_effects=tip_effects,
+        )
+
+    def _named(self, leading: Hypothesis, final: Fit, excess: float, explained: float) -> tuple[Named, ...]:
+        confidence = _confidence(self.contest, self._rivals(), excess / max(explained, 1e-300))
+        size, names = len(self.problem.base), {}
+        place = size
+        for effect in final.effects:
+            values = {}
+            for parameter in effect.parameters:
+                std = float(np.sqrt(max(final.covariance[place, place], 0.0)))
+                values[parameter.name] = Value(getattr(effect, parameter.name), std, final.at_bound[place])
+                place += 1
+            names[effect.id] = Named(effect.id, effect.kind, effect.component, effect.title, effect.equation,
+                                     confidence, values)  # fmt: skip
+        return tuple(names[identifier] for identifier in _by_importance(self.problem, self.contest))
+
+    def _reason(self, verdict: Verdict, excess: float, structure: Structure) -> str:
+        kind = self.problem.runs[0].kind
+        unit = UNITS[kind]
+        if verdict == "agrees":
+            return "the model as configured agrees with the recording within its noise"
+        if verdict == "parameters":
+            return "within the noise once the base parameters are refitted; no physics is missing"
+        if verdict == "unexplained":
+            kept = "needs direction or history" if structure.memory else "needs neither direction nor history"
+            repeats = f"{100 * max(structure.repeats, 0.0):.0f} % of it repeats from run to run"
+            return f"{to_unit(kind, excess):.3g} {unit} is left that no effect of the catalogue explains; {repeats}, and it {kept}"
+        if verdict == "ambiguous":
+            return "several sets of effects explain the recording alike"
+        return "the named effects explain what the base model leaves over"
+
+    def _next_recording(self, verdict: Verdict) -> str:
+        if verdict == "ambiguous":
+            first = _by_importance(self.problem, self.contest)[0]
+            return CATALOGUE[first].decided_by
+        if verdict == "unexplained":
+            return "the same sweep twice, unchanged, then at half the rate and at another bending length, with time and tension recorded"
+        return ""
+
+    def _notes(self) -> tuple[str, ...]:
+        runs, notes = self.problem.runs, []
+        if any(run.time is None for run in runs):
+            notes.append("there is no time_s, so nothing about rate, lag, creep or drift can be concluded")
+        if not any(int(np.sum(run.direction < 0)) >= 3 for run in runs):
+            notes.append("there is no release, so friction, play and set cannot show")
+        if not self.kept_back.runs:
+            notes.append(f"held out: {self.kept_back.rule}")
+        touching = [
+            parameter.name
+            for parameter, bound in zip(self.problem.base, self.contest.leading.fit.at_bound, strict=False)
+            if bound
+        ]
+        notes.extend(f"{name} is on its bound" for name in touching)
+        if not self.contest.leading.fit.converged:
+            notes.append("the fit was still moving when it stopped")
+        return tuple(notes)
+
+
+def _noise_floor(problem: Problem) -> float:
+    """Return the noise level that the recording itself shows, SI, generous by its own uncertainty."""
+    from coast_cli.recordings.noise import recording_noise
+
+    estimate = recording_noise(problem.runs)
+    return float(estimate.level * np.exp(min(estimate.log_level_std, 0.7)))
+
+
+def _excess(fitted: Fit, floor: float, structure: Structure) -> float:
+    """Return the RMS of what is neither model nor noise, SI."""
+    above = np.sqrt(max(fitted.rmse**2 - floor**2, 0.0)) if fitted.rmse > _ABOVE_NOISE * floor else 0.0
+    repeated = fitted.rmse * np.sqrt(max(structure.repeats, 0.0)) if structure.repeats > 0.3 else 0.0
+    return float(max(above, repeated))
+
+
+def _holds(comparison: Comparison, leading: Hypothesis) -> bool:
+    """Return whether the improvement is there on rows that were not fitted."""
+    before, after = comparison.refitted.held_out, comparison.with_effects.held_out
+    return before is None or after is None or not leading.ids or after < before
+
+
+def _by_importance(problem: Problem, contest: Contest) -> list[str]:
+    """Return the leading ids, the one whose loss would cost most first."""
+    leading = contest.leading
+    if len(leading.ids) < 2:
+        return list(leading.ids)
+    tried = {frozenset(h.ids): h for h in contest.tried}
+    cost = {}
+    for identifier in leading.ids:
+        rest = frozenset(leading.ids) - {identifier}
+        without = tried.get(rest)
+        if without is None:
+            effects = tuple(effect for effect in leading.fit.effects if effect.id != identifier)
+            rmse = fit(problem, effects, leading.fit.coordinates, polish=False).rmse
+        else:
+            rmse = without.fit.rmse
+        cost[identifier] = rmse
+    return sorted(leading.ids, key=lambda identifier: -cost[identifier])
+
+
+def _confidence(contest: Contest, rivals: Sequence[Hypothesis], leftover: float) -> float:
+    """Return the probability that the leading set is right: against its rivals, and against something unknown."""
+    scores = np.array([contest.leading.score, *(rival.score for rival in rivals)])
+    weights = np.exp((scores - scores.max()) / 2.0)
+    known = 1.0 / (1.0 + np.exp((leftover - _OF_EXPLAINED) / 0.08))
+    return float(np.clip(weights[0] / weights.sum() * known, 0.01, 0.99))
+
+
+def _base_values(problem: Problem, fitted: Fit) -> dict[str, Value]:
+    found = {}
+    for place, parameter in enumerate(problem.base):
+        value = problem.values(fitted.coordinates)[parameter.name]
+        spread = float(np.sqrt(max(fitted.covariance[place, place], 0.0)))
+        std = value * spread if parameter.logarithmic else spread
+        found[parameter.name] = Value(value, std, fitted.at_bound[place])
+    return found

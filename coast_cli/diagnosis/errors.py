@@ -1,0 +1,76 @@
+"""Errors of a model on runs, as figures: of the response, of the tip, of the tension."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coast_cli.diagnosis.problem import Problem
+from coast_cli.effects.effect import Effect
+from coast_cli.effects.forward import Prediction
+from coast_cli.mechanics.joint import tip
+from coast_cli.mechanics.section import FloatArray
+from coast_cli.recordings.model import JointRun
+from coast_cli.units import DEGREE, MILLIMETRE
+
+UNITS = {"curvature": "curvature_per_m", "bend": "bend_deg", "notch": "notch_deg"}
+
+
+@dataclass(frozen=True, slots=True)
+class Errors:
+    """RMS errors: of the response in its table unit, of the tip in mm; and over how many samples."""
+
+    count: int
+    response: float
+    tip_mm: float
+
+
+def to_unit(kind: str, value: float) -> float:
+    """Return an SI response as its table unit: 1/m, or degrees."""
+    return value if kind == "curvature" else value / DEGREE
+
+
+def errors_of(problem: Problem, coordinates: FloatArray, effects: Sequence[Effect], rows: Sequence[NDArray[np.bool_]]) -> Errors:
+    """Return the errors of a model on the given rows of every run, outliers and dropped frames left out."""
+    return pooled_errors(problem, problem.predict(coordinates, effects), rows)
+
+
+def pooled_errors(
+    problem: Problem, predictions: Sequence[Prediction], rows: Sequence[NDArray[np.bool_]]
+) -> Errors:
+    """Return the errors of given predictions; see ``errors_of``."""
+    response, tips = [], []
+    for run, prediction, wanted, usable in zip(problem.runs, predictions, rows, problem.usable, strict=True):
+        use = usable & wanted[:, np.newaxis]
+        response.append((prediction.response - run.response)[use])
+        whole = np.all(use, axis=1)
+        pitch = float(np.mean(problem.joints[run.pair].middle.pitch))
+        x, y = tip_of(run, prediction.response[whole], run.bending_length[whole], pitch)
+        seen_x, seen_y = tip_of(run, run.response[whole], run.bending_length[whole], pitch)
+        tips.append(np.hypot(x - seen_x, y - seen_y))
+    error, distance = np.concatenate(response), np.concatenate(tips)
+    kind = problem.runs[0].kind
+    return Errors(
+        count=int(error.size),
+        response=to_unit(kind, _rms(error)),
+        tip_mm=_rms(distance) / MILLIMETRE,
+    )
+
+
+def tip_of(run: JointRun, response: FloatArray, length: FloatArray, pitch: float) -> tuple[FloatArray, FloatArray]:
+    """Return the tip (m) that a response stands for: an arc, or a chain of notches in the middle of their pitches."""
+    if run.kind == "notch":
+        angle = np.cumsum(response, axis=1)
+        before = angle - response
+        x = np.sum(0.5 * pitch * (np.cos(before) + np.cos(angle)), axis=1)
+        y = np.sum(0.5 * pitch * (np.sin(before) + np.sin(angle)), axis=1)
+        return x, y
+    value = response[:, 0]
+    return tip(value / length if run.kind == "bend" else value, length)
+
+
+def _rms(values: FloatArray) -> float:
+    return float(np.sqrt(np.mean(values**2))) if values.size else 0.0

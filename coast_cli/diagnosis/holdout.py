@@ -1,0 +1,84 @@
+"""Which runs are kept back: those named, else chosen by a rule that is stated with the answer."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coast_cli.errors import BadInput, nearest
+from coast_cli.recordings.model import JointRun
+
+Booleans = NDArray[np.bool_]
+_BLOCKS = 8
+_SHORTEST_FOR_BLOCKS = 48
+
+
+@dataclass(frozen=True, slots=True)
+class HoldOut:
+    """Rows kept back, run by run, the names of the runs they make up, and the rule in words."""
+
+    rows: tuple[Booleans, ...]
+    runs: tuple[str, ...]
+    rule: str
+    chosen: bool
+
+
+def hold_out(runs: Sequence[JointRun], named: Sequence[str] = ()) -> HoldOut:
+    """Return what to keep back.
+
+    Raises:
+        BadInput: a named run does not exist, or every run is named.
+    """
+    names = [run.name for run in runs]
+    for name in named:
+        if name not in names:
+            raise BadInput("there is no such run", key="--hold-out", found=name, allowed=", ".join(names),
+                           hint=nearest(name, names))  # fmt: skip
+    if named:
+        if len(set(named)) == len(names):
+            raise BadInput("every run is held out, so none is left to fit", key="--hold-out", allowed="some of the runs")
+        return _whole(runs, tuple(name for name in names if name in set(named)), "the runs named", chosen=False)
+    if len(runs) >= 3:
+        found = _expendable(runs)
+        if found:
+            rule = "the last runs whose bending length, pair and directions other runs also hold, a quarter at most"
+            return _whole(runs, found, rule, chosen=True)
+    return _blocks(runs)
+
+
+def _whole(runs: Sequence[JointRun], names: tuple[str, ...], rule: str, *, chosen: bool) -> HoldOut:
+    rows = tuple(np.full(len(run), run.name in names) for run in runs)
+    return HoldOut(rows, names, rule, chosen)
+
+
+def _expendable(runs: Sequence[JointRun]) -> tuple[str, ...]:
+    """Return runs whose conditions are all met by runs that stay."""
+    wanted = max(1, len(runs) // 4)
+    kept = list(runs)
+    found: list[str] = []
+    for run in reversed(runs):
+        others = [other for other in kept if other is not run]
+        if len(found) < wanted and len(others) >= 2 and _conditions(run) <= set().union(*map(_conditions, others)):
+            kept = others
+            found.append(run.name)
+    return tuple(run.name for run in runs if run.name in found)
+
+
+def _conditions(run: JointRun) -> set[tuple[str, object]]:
+    length = round(float(np.median(run.bending_length)) * 1e4)
+    directions = {("direction", int(way)) for way in np.unique(run.direction) if int(np.sum(run.direction == way)) >= 3}
+    return {("length", length), ("pair", run.pair), *directions}
+
+
+def _blocks(runs: Sequence[JointRun]) -> HoldOut:
+    """Keep back two blocks in eight of every long run; the history between them is still simulated."""
+    rows = []
+    for run in runs:
+        block = np.arange(len(run)) * _BLOCKS // max(len(run), 1)
+        held = np.isin(block, (2, 5)) if len(run) >= _SHORTEST_FOR_BLOCKS else np.zeros(len(run), bool)
+        rows.append(held)
+    rule = "blocks of every run, as no whole run can be spared; this is weaker than a run that was not seen"
+    return HoldOut(tuple(rows), (), rule, chosen=True)
