@@ -15,6 +15,8 @@ COMMANDS = {
     "stroke": "coast_cli.cli.stroke:stroke",
     "beam": "coast_cli.cli.beam:beam",
     "check": "coast_cli.cli.check:check",
+    "trace": "coast_cli.cli.trace:trace",
+    "compare": "coast_cli.cli.compare:compare",
     "validate": "coast_cli.cli.validate:validate",
     "init": "coast_cli.cli.init:init",
     "schema": "coast_cli.cli.schema:schema",

@@ -61,4 +61,17 @@ COLUMNS: dict[str, dict[str, str]] = {
         "line": "line of the first thing wrong with it",
         "message": "the first thing wrong with it",
     },
+    "trace": {
+        "run": "the shape, named after its image; of a joint the whole sequence",
+        "tube": "the tube, as given",
+        "x_mm": "place along the clamped direction from the clamp, mm",
+        "y_mm": "place against gravity from the clamp, mm; rows of the image go down",
+        "std_mm": "standard deviation of the point across the tube, mm, the scale taken as exact",
+        "frame": "the image",
+        "curvature_per_m": "curvature of the least-squares circle through the axis, 1/m; no value in a dropped frame",
+        "std_per_m": "its standard deviation, 1/m, the scale taken as exact",
+        "misfit_mm": "root mean square distance of the axis from that circle, mm",
+        "length_mm": "arc length from clamp to tip, mm",
+        "flag": "why a frame was dropped or is doubtful: no-tube, two-tubes, cut-off, broken, off-clamp; gap, glare",
+    },
 }
