@@ -13,11 +13,17 @@ def _seeds(text: str) -> range:
 
 
 def parser() -> argparse.ArgumentParser:
-    """The command line."""
-    top = argparse.ArgumentParser(prog="python -m examples.concealed", description="Recordings with something left out: make, run, score.")
+    """Return the command line."""
+    top = argparse.ArgumentParser(
+        prog="python -m examples.concealed", description="Recordings with something left out: make, run, score."
+    )
     steps = top.add_subparsers(dest="step", required=True)
-    for name, text in (("make", "write recordings and seal the truth"), ("run", "let coast diagnose every case"),
-                       ("score", "open the seal and print the table"), ("all", "make, run, score")):
+    for name, text in (
+        ("make", "write recordings and seal the truth"),
+        ("run", "let coast diagnose every case"),
+        ("score", "open the seal and print the table"),
+        ("all", "make, run, score"),
+    ):
         step = steps.add_parser(name, help=text)
         step.add_argument("--out", type=Path, required=True, help="folder of the cases, answers and table")
         step.add_argument("--jobs", type=int, default=2)
@@ -52,7 +58,9 @@ def main(arguments: list[str] | None = None) -> int:
     if given.step in ("score", "all"):
         from examples.concealed.scorer import score
 
-        sys.stdout.write(score(given.out, digest=digest, baselines=given.baselines, plots=given.plots, jobs=given.jobs).table())
+        sys.stdout.write(
+            score(given.out, digest=digest, baselines=given.baselines, plots=given.plots, jobs=given.jobs).table()
+        )
     return 0
 
 

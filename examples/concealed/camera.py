@@ -1,6 +1,9 @@
-"""What the camera makes of the notches' bends: a circle through points of the shape, a tip angle, late or distorted, and noise.
+"""What the camera makes of the notches' bends: a circle through points of the shape, a tip angle.
 
-The circle is fitted to the points with its tangent at the clamp; for a uniform bend it returns the curvature exactly.
+Late or distorted, and noise.
+
+The circle is fitted to the points with its tangent at the clamp; for a uniform bend it returns the curvature
+exactly.
 """
 
 from __future__ import annotations
@@ -37,9 +40,19 @@ def circle_curvature(theta: Array, weight: float, length: Array) -> Array:
     return np.where(np.abs(theta - theta.mean(axis=1, keepdims=True)).max(axis=1) < 1e-13, mean, turn[:, 0] / length)
 
 
-def observe(theta: Array, weight: float, length: Array, time: Array, nominal_length: float, kind: str, effects: Effects,
-            largest: float) -> Array:
-    """The response [time, k] in 1/m (curvature) or degrees (bend, notch), late and distorted where an effect says so."""
+def observe(
+    theta: Array,
+    weight: float,
+    length: Array,
+    time: Array,
+    nominal_length: float,
+    kind: str,
+    effects: Effects,
+) -> Array:
+    """Return the response [time, k] in 1/m (curvature) or degrees (bend, notch).
+
+    Late and distorted where an effect says so.
+    """
     if kind == "curvature":
         seen = circle_curvature(theta, weight, length)[:, None]
         if "wire_pull_coupling" in effects:
@@ -99,7 +112,7 @@ NOISE_KINDS = ("white", "ar", "drift", "quantised")
 
 
 def draw_noise(rng: np.random.Generator) -> dict[str, object]:
-    """A kind of camera noise, its colour, and how often a frame is an outlier or lost."""
+    """Return a kind of camera noise, its colour, and how often a frame is an outlier or lost."""
     kind = str(rng.choice(NOISE_KINDS, p=[0.4, 0.3, 0.15, 0.15]))
     return {
         "kind": kind,
@@ -131,6 +144,8 @@ def noisy(truth: Array, sigma: float, noise: Mapping[str, object], rng: np.rando
         fine = np.sqrt(max(1 - float(noise["quantum_sigmas"]) ** 2 / 12, 0.1))  # type: ignore[arg-type]
         out = np.round((truth + sigma * fine * unit) / quantum) * quantum
     wild = rng.random(rows) < float(noise["outlier_share"])  # type: ignore[arg-type]
-    out[wild] += sigma * (rng.choice([-1.0, 1.0], (int(wild.sum()), columns)) * rng.uniform(6, 25, (int(wild.sum()), columns)))
+    out[wild] += sigma * (
+        rng.choice([-1.0, 1.0], (int(wild.sum()), columns)) * rng.uniform(6, 25, (int(wild.sum()), columns))
+    )
     out[rng.random(rows) < float(noise["dropped_share"])] = np.nan  # type: ignore[arg-type]
     return out

@@ -1,7 +1,9 @@
-"""Robots to record: random tubes and joints, the nominal configuration a user would write, and the published base model.
+"""Robots to record: random tubes and joints, the nominal configuration a user would write.
 
-Everything is SI. The base model is equations (9)-(12) of "Model-based Design of the COAST Guidewire Robot for Large Deflection"
-(RA-L 2023) with the sector section of (1)-(2).
+And the published base model.
+
+Everything is SI. The base model is equations (9)-(12) of "Model-based Design of the COAST Guidewire Robot for Large
+Deflection" (RA-L 2023) with the sector section of (1)-(2).
 """
 
 from __future__ import annotations
@@ -29,6 +31,7 @@ class Tube:
 
     @property
     def pitch(self) -> float:
+        """Length of one ring and one cut (m)."""
         return self.cut + self.uncut
 
 
@@ -49,7 +52,10 @@ def ring(tube: Tube) -> tuple[float, float]:
 
 
 def series_moment(tube: Tube, depth: float | None = None, extra_cut: float = 0.0) -> float:
-    """Second moment of the series compliance over one pitch (m^4); `extra_cut` lengthens the cut without lengthening the pitch."""
+    """Second moment of the series compliance over one pitch (m^4).
+
+    `extra_cut` lengthens the cut without lengthening the pitch.
+    """
     return tube.pitch / (tube.uncut / ring(tube)[1] + (tube.cut + extra_cut) / sector(tube, depth)[2])
 
 
@@ -88,11 +94,17 @@ class Joint:
 
     def gain(self, length: float | Array) -> Array:
         """Actuator tension over tension at the segment, e^(mu alpha) eta^Nf."""
-        return np.exp(self.pulley_friction * self.wrap_angle) * self.notch_friction ** (np.asarray(length) / self.middle.pitch)
+        return np.exp(self.pulley_friction * self.wrap_angle) * self.notch_friction ** (
+            np.asarray(length) / self.middle.pitch
+        )
 
     def chord(self, curvature: Array, length: float | Array) -> Array:
         """Tendon shortening dL_kin (m) of a segment of uniform curvature."""
-        return chord_shortening(np.asarray(curvature) * self.middle.pitch, self.middle.cut, self.arm) * length / self.middle.pitch
+        return (
+            chord_shortening(np.asarray(curvature) * self.middle.pitch, self.middle.cut, self.arm)
+            * length
+            / self.middle.pitch
+        )
 
     def stroke(self, curvature: Array, length: float | Array) -> tuple[Array, Array]:
         """Stroke (m) and actuator tension (N) of the base model."""
@@ -129,11 +141,12 @@ class Robot:
     calibration: dict[str, tuple[float, float]] = field(default_factory=dict)
 
     def pair(self, outer: int | None, middle: int) -> Joint:
+        """Return the joint of one pair of tubes."""
         return replace(self.joint, outer=None if outer is None else self.outers[outer], middle=self.middles[middle])
 
 
 def draw_robot(rng: np.random.Generator, *, wrist: bool = False) -> Robot:
-    """A random robot: a COAST pair, or (wrist) one larger notched tube that is driven by tension."""
+    """Return a random robot: a COAST pair, or (wrist) one larger notched tube that is driven by tension."""
     if wrist:
         return _draw_wrist(rng)
     mm = 1e-3
@@ -146,21 +159,37 @@ def draw_robot(rng: np.random.Generator, *, wrist: bool = False) -> Robot:
 
     def stock(prefix: str, diameter: float, inner: float, number: int, low: float, high: float) -> tuple[Tube, ...]:
         return tuple(
-            Tube(f"{prefix}{i + 1}", diameter * mm, inner * mm, round(diameter * rng.uniform(low, high), 3) * mm,
-                 cut * mm, uncut * mm, count + (40 if prefix == "OT" else 0), round(rng.uniform(0.5, 8.0), 1))
+            Tube(
+                f"{prefix}{i + 1}",
+                diameter * mm,
+                inner * mm,
+                round(diameter * rng.uniform(low, high), 3) * mm,
+                cut * mm,
+                uncut * mm,
+                count + (40 if prefix == "OT" else 0),
+                round(rng.uniform(0.5, 8.0), 1),
+            )
             for i in range(number)
         )
 
     outers = stock("OT", out_od, out_id, int(rng.integers(1, 5)), 0.62, 0.80)
     middles = stock("MT", od, round(od - 2 * wall, 3), int(rng.integers(1, 4)), 0.66, 0.80)
     joint = Joint(
-        outers[0], middles[0], round(rng.uniform(36, 70), 1) * 1e9, round(rng.uniform(0.1, 0.38), 4),
-        round(float(rng.choice([np.pi / 2, np.pi, np.pi, 1.25 * np.pi])), 6), round(rng.uniform(1.001, 1.009), 4),
-        round(rng.uniform(0.0, 1.6), 2) * mm, round(rng.uniform(0.03, 0.05), 3) * mm, round(rng.uniform(45, 70), 2) * 1e9,
+        outers[0],
+        middles[0],
+        round(rng.uniform(36, 70), 1) * 1e9,
+        round(rng.uniform(0.1, 0.38), 4),
+        round(float(rng.choice([np.pi / 2, np.pi, np.pi, 1.25 * np.pi])), 6),
+        round(rng.uniform(1.001, 1.009), 4),
+        round(rng.uniform(0.0, 1.6), 2) * mm,
+        round(rng.uniform(0.03, 0.05), 3) * mm,
+        round(rng.uniform(45, 70), 2) * 1e9,
         round(rng.uniform(250, 450), 1) * mm,
     )
     inner_od = round(0.9 * (od - 2 * wall - 0.0) * 0.8, 3)
-    return Robot(outers, middles, joint, (inner_od * mm, round(0.6 * inner_od, 3) * mm), calibration=_calibration(rng, joint))
+    return Robot(
+        outers, middles, joint, (inner_od * mm, round(0.6 * inner_od, 3) * mm), calibration=_calibration(rng, joint)
+    )
 
 
 def _draw_wrist(rng: np.random.Generator) -> Robot:
@@ -168,7 +197,16 @@ def _draw_wrist(rng: np.random.Generator) -> Robot:
     od = round(rng.uniform(0.9, 1.9), 2)
     ident = round(od * rng.uniform(0.82, 0.88), 2)
     cut, uncut = round(rng.uniform(0.6, 1.2), 1), round(rng.uniform(0.6, 1.4), 1)
-    tube = Tube("A", od * mm, ident * mm, round(od * rng.uniform(0.82, 0.9), 2) * mm, cut * mm, uncut * mm, int(rng.integers(4, 9)), 0.0)
+    tube = Tube(
+        "A",
+        od * mm,
+        ident * mm,
+        round(od * rng.uniform(0.82, 0.9), 2) * mm,
+        cut * mm,
+        uncut * mm,
+        int(rng.integers(4, 9)),
+        0.0,
+    )
     joint = Joint(None, tube, round(rng.uniform(35, 60), 1) * 1e9, 0.0, round(np.pi, 6), 1.0, 0.0, 0.0, 0.0, 0.0)
     return Robot((), (tube,), joint, (0.0, 0.0), calibration=_calibration(rng, joint))
 
@@ -188,7 +226,7 @@ def _notch(tube: Tube) -> str:
 
 
 def config_text(robot: Robot) -> str:
-    """The nominal configuration as TOML, in the format of the reference `tubes.toml`."""
+    """Return the nominal configuration as TOML, in the format of the reference `tubes.toml`."""
     joint = robot.joint
 
     def number(key: str, value: float) -> str:
@@ -197,29 +235,63 @@ def config_text(robot: Robot) -> str:
             return f"{key} = {{ value = {value:.10g}, min = {low:g}, max = {high:g} }}"
         return f"{key} = {value:.10g}"
 
-    lines = ["version = 1", "", "[materials.nitinol]", f"youngs_modulus_gpa = {joint.youngs_modulus / 1e9:.10g}",
-             f"density_kg_per_m3 = {robot.density}", "", "[environment]", "gravity_m_per_s2 = 9.81"]
+    lines = [
+        "version = 1",
+        "",
+        "[materials.nitinol]",
+        f"youngs_modulus_gpa = {joint.youngs_modulus / 1e9:.10g}",
+        f"density_kg_per_m3 = {robot.density}",
+        "",
+        "[environment]",
+        "gravity_m_per_s2 = 9.81",
+    ]
     for kind, tubes in (("outer", robot.outers), ("middle", robot.middles)):
         if not tubes:
             continue
         first = tubes[0]
-        lines += ["", f"[{kind}]", 'material = "nitinol"', f"outer_diameter_mm = {first.outer_diameter * 1e3:.6g}",
-                  f"inner_diameter_mm = {first.inner_diameter * 1e3:.6g}",
-                  _notch(first)]
+        lines += [
+            "",
+            f"[{kind}]",
+            'material = "nitinol"',
+            f"outer_diameter_mm = {first.outer_diameter * 1e3:.6g}",
+            f"inner_diameter_mm = {first.inner_diameter * 1e3:.6g}",
+            _notch(first),
+        ]
         for tube in tubes:
-            lines += ["", f"[[{kind}.samples]]", f'name = "{tube.name}"', f"depth_mm = {tube.depth * 1e3:.6g}",
-                      f"natural_curvature_per_m = {tube.natural_curvature:.6g}"]
+            lines += [
+                "",
+                f"[[{kind}.samples]]",
+                f'name = "{tube.name}"',
+                f"depth_mm = {tube.depth * 1e3:.6g}",
+                f"natural_curvature_per_m = {tube.natural_curvature:.6g}",
+            ]
             if (tube.cut, tube.uncut, tube.count) != (first.cut, first.uncut, first.count):
                 lines.append(_notch(tube))
     if robot.inner_diameters[0]:
-        lines += ["", "[inner]", "youngs_modulus_gpa = 200.0", f"outer_diameter_mm = {robot.inner_diameters[0] * 1e3:.6g}",
-                  f"inner_diameter_mm = {robot.inner_diameters[1] * 1e3:.6g}"]
+        lines += [
+            "",
+            "[inner]",
+            "youngs_modulus_gpa = 200.0",
+            f"outer_diameter_mm = {robot.inner_diameters[0] * 1e3:.6g}",
+            f"inner_diameter_mm = {robot.inner_diameters[1] * 1e3:.6g}",
+        ]
     if joint.tendon_radius:
-        lines += ["", "[tendon]", f"radius_mm = {joint.tendon_radius * 1e3:.6g}", f"youngs_modulus_gpa = {joint.tendon_modulus / 1e9:.6g}",
-                  f"length_mm = {joint.tendon_length * 1e3:.6g}"]
-    lines += ["", "[joint]", number("youngs_modulus_gpa", joint.youngs_modulus / 1e9), number("pulley_friction", joint.pulley_friction),
-              f"wrap_angle_rad = {joint.wrap_angle:.10g}", number("notch_friction", joint.notch_friction),
-              number("deadband_mm", joint.deadband * 1e3)]
+        lines += [
+            "",
+            "[tendon]",
+            f"radius_mm = {joint.tendon_radius * 1e3:.6g}",
+            f"youngs_modulus_gpa = {joint.tendon_modulus / 1e9:.6g}",
+            f"length_mm = {joint.tendon_length * 1e3:.6g}",
+        ]
+    lines += [
+        "",
+        "[joint]",
+        number("youngs_modulus_gpa", joint.youngs_modulus / 1e9),
+        number("pulley_friction", joint.pulley_friction),
+        f"wrap_angle_rad = {joint.wrap_angle:.10g}",
+        number("notch_friction", joint.notch_friction),
+        number("deadband_mm", joint.deadband * 1e3),
+    ]
     if robot.outers:
         lines.append(f'pair = "{robot.outers[0].name}/{robot.middles[0].name}"')
     return "\n".join(lines) + "\n"

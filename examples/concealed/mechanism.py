@@ -1,9 +1,10 @@
 """The fine forward model: a chain from actuator to camera in which every notch bends, sticks and slips by itself.
 
-At each time the actuator tension (or, where friction follows the tendon's own motion, the tension at the segment) is the only
-unknown; all memory is explicit in it, so one scalar equation, stroke(tension) = actuator position, closes a step. Friction that
-turns round is a propagating capstan front (the tension profile stays inside the cone exp(+-phi) of its driven end), a Dahl
-law, or a bank of Maxwell-slip elements. SI throughout. An effect that is absent leaves its stage the identity.
+At each time the actuator tension (or, where friction follows the tendon's own motion, the tension at the segment)
+is the only unknown; all memory is explicit in it, so one scalar equation, stroke(tension) = actuator position,
+closes a step. Friction that turns round is a propagating capstan front (the tension profile stays inside the cone
+exp(+-phi) of its driven end), a Dahl law, or a bank of Maxwell-slip elements. SI throughout. An effect that is
+absent leaves its stage the identity.
 """
 
 from __future__ import annotations
@@ -12,12 +13,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
-from examples.concealed.design import Joint, chord_shortening, ring, sector
+from examples.concealed.design import Joint
+from examples.concealed.segment import Array, Effects, Segment, softplus
 
-Array = NDArray[np.float64]
-Effects = Mapping[str, Mapping[str, object]]
 TOLERANCE_M = 3e-10
 
 
@@ -32,10 +31,6 @@ class Trace:
     extra: dict[str, Array] = field(default_factory=dict)
 
 
-def softplus(x: Array) -> Array:
-    return np.logaddexp(0.0, x)
-
-
 def play(x: Array, width: float) -> Array:
     """Lost motion: the output follows on loading and waits `width` after each reversal."""
     out = np.empty_like(x)
@@ -46,146 +41,15 @@ def play(x: Array, width: float) -> Array:
     return out
 
 
-class BendingLaw:
-    """Elastic moment (per unit EI, 1/m) against curvature: linear, softening, stiffening; smooth and inverted by a table."""
-
-    def __init__(self, effects: Effects, largest: float) -> None:
-        self.linear = not ({"tube_superelasticity", "notch_closure"} & effects.keys())
-        if self.linear:
-            return
-        grid = np.linspace(0, 3 * largest, 1501)
-        stiffness = np.ones_like(grid)
-        if soft := effects.get("tube_superelasticity"):
-            stiffness -= (1 - soft["stiffness_ratio"]) / (1 + np.exp(-(grid - soft["knee_curvature_per_m"]) / soft["width_per_m"]))
-        if closing := effects.get("notch_closure"):
-            stiffness += closing["stiffness_rise"] / (1 + np.exp(-(grid - closing["contact_curvature_per_m"]) / closing["width_per_m"]))
-        self.grid = grid
-        self.moment = np.concatenate([[0], np.cumsum((stiffness[1:] + stiffness[:-1]) / 2 * np.diff(grid))])
-
-    def __call__(self, moment: Array) -> Array:
-        """Curvature (1/m) under `moment` over EI (1/m); odd in its argument."""
-        if self.linear:
-            return moment
-        return np.sign(moment) * np.interp(np.abs(moment), self.moment, self.grid)
-
-
-class Segment:
-    """Bending segment of one run: notch friction, moment balance, snap, contact; explicit in the tension at its entry."""
-
-    def __init__(self, joint: Joint, length: float, effects: Effects, rng: np.random.Generator, largest: float, density: float) -> None:
-        self.joint, self.effects, self.length = joint, effects, length
-        pitch = joint.middle.pitch
-        exact = length / pitch
-        self.count = max(4, round(exact))
-        self.weight = exact / self.count
-        self.pitch = pitch
-        spread = 1 + 0.001 * rng.standard_normal(self.count) * (0.0 if joint.tendon_radius == 0 else 1.0)
-        self.compliance = spread / spread.mean()
-        self.law = BendingLaw(effects, largest)
-        self.arm, self.rigidity = joint.arm, joint.rigidity
-        self.notch_mu = float(effects.get("distributed_notch_friction", {}).get("friction", 0.0))
-        coulomb = effects.get("coulomb_friction")
-        self.coulomb = None if coulomb is None else coulomb["moment_n_mm"] * 1e-3 * np.exp(
-            coulomb["spread"] * rng.standard_normal(self.count) - coulomb["spread"] ** 2 / 2)
-        snap = effects.get("snap_through")
-        self.snaps = 0 if snap is None else int(snap["groups"])
-        self.snap_group = np.arange(self.count) % max(self.snaps, 1)
-        self.snap_order = 1 + 0.04 * np.arange(max(self.snaps, 1))
-        weight = 0.0
-        if "gravity" in effects:
-            weight = sum(_weight(tube, density) for tube in (joint.outer, joint.middle) if tube) * effects["gravity"]["in_plane"]
-        self.gravity = weight
-        self.tip_load = effects.get("tip_load")
-        self.natural = float(effects.get("precurvature", {}).get("curvature_per_m", 0.0))
-        self.outside_load = bool(weight) or self.tip_load is not None
-        self.cracked = np.ones(self.count)
-        self.softening = 1.0
-        self.shift = 0.0
-        # State committed after each step.
-        self.tension = np.zeros(self.count)
-        self.elastic = np.zeros(self.count)
-        self.theta = np.zeros(self.count)
-        self.snapped = np.zeros(max(self.snaps, 1), dtype=bool)
-        self.load_moment = np.zeros(self.count)
-        self.rest = 0.0
-        if self.outside_load or self.natural:
-            for _ in range(30):
-                self.refresh_load()
-                self.theta = self.bend(0.0)[2]
-            self.rest = self.chord(self.theta)
-            self.elastic = self.bend(0.0)[1]
-
-    def refresh_load(self) -> None:
-        """Moment of weight and tip force in the present shape, at mid-notch (N m)."""
-        if not self.outside_load:
-            return
-        step = self.pitch * self.weight
-        angle = np.cumsum(self.theta * self.weight) - self.theta * self.weight / 2
-        x, y = np.cumsum(np.cos(angle)) * step, np.cumsum(np.sin(angle)) * step
-        moment = np.zeros(self.count)
-        if self.gravity:
-            tail = np.arange(self.count, 0, -1)
-            moment -= self.gravity * step * (np.cumsum(x[::-1])[::-1] - tail * x)
-        if self.tip_load is not None:
-            force, tilt = self.tip_load["force_mn"] * 1e-3, self.tip_load["tilt_rad"]
-            moment += force * (np.cos(tilt) * (x[-1] - x) - np.sin(tilt) * (y[-1] - y))
-        self.load_moment = moment
-
-    def bend(self, entry: float) -> tuple[Array, Array, Array]:
-        """Tension at the notches, elastic moment and bend of each notch for a tension at the segment's entry."""
-        theta = self.theta
-        if self.notch_mu:
-            for _ in range(3):
-                phi = self.notch_mu * np.cumsum(np.abs(theta)) * self.weight
-                tension = np.clip(self.tension, entry * np.exp(-phi), entry * np.exp(phi))
-                elastic = self._elastic(tension)
-                theta = self._theta(elastic)
-            return tension, elastic, theta
-        tension = np.full(self.count, entry)
-        elastic = self._elastic(tension)
-        return tension, elastic, self._theta(elastic)
-
-    def _elastic(self, tension: Array) -> Array:
-        moment = tension * self.arm + self.load_moment
-        if self.coulomb is None:
-            return moment
-        return np.clip(self.elastic, moment - self.coulomb, moment + self.coulomb)
-
-    def _theta(self, elastic: Array) -> Array:
-        curvature = self.law(elastic / (self.rigidity * self.softening)) * self.compliance * self.cracked + self.natural + self.shift
-        if self.snaps:
-            curvature = curvature + self.effects["snap_through"]["jump_per_m"] * self.snapped[self.snap_group]
-        return curvature * self.pitch
-
-    def chord(self, theta: Array) -> float:
-        return float(chord_shortening(theta, self.joint.middle.cut, self.arm).sum()) * self.weight - self.rest
-
-    def commit(self, tension: Array, elastic: Array, theta: Array) -> None:
-        self.tension, self.elastic, self.theta = tension, elastic, theta
-        self.refresh_load()
-
-    def snap(self, entry: float) -> bool:
-        """Let go (or come back) where the moment passed a threshold; true when something moved."""
-        if not self.snaps:
-            return False
-        snap = self.effects["snap_through"]
-        up, down = snap["release_tension_n"] * self.snap_order, snap["return_tension_n"] * self.snap_order
-        after = np.where(self.snapped, entry > down, entry > up)
-        moved = bool(np.any(after != self.snapped))
-        self.snapped = after
-        return moved
-
-
-def _weight(tube: object, density: float) -> float:
-    """Weight per length (N/m) of a notched tube at 9.81 m/s^2."""
-    area = (tube.uncut * ring(tube)[0] + tube.cut * sector(tube)[0]) / tube.pitch  # type: ignore[attr-defined]
-    return 9.81 * density * area
-
-
 class Transmission:
-    """Friction that turns round between actuator and segment: a propagating front, a Dahl law, or Maxwell-slip elements."""
+    """Friction that turns round between actuator and segment: a propagating front, a Dahl law.
 
-    def __init__(self, joint: Joint, length: float, effect: Mapping[str, object] | None, rng: np.random.Generator) -> None:
+    Or Maxwell-slip elements.
+    """
+
+    def __init__(
+        self, joint: Joint, length: float, effect: Mapping[str, object] | None, rng: np.random.Generator
+    ) -> None:
         self.law = "none" if effect is None else str(effect["law"])
         self.phi = 0.0 if effect is None else float(effect["log_ratio"])  # type: ignore[arg-type]
         gain = float(joint.gain(length))
@@ -217,7 +81,9 @@ class Transmission:
 class Line:
     """Actuator, tendon and segment of one run, stepped through time."""
 
-    def __init__(self, joint: Joint, length: float, effects: Effects, rng: np.random.Generator, largest: float, density: float) -> None:
+    def __init__(
+        self, joint: Joint, length: float, effects: Effects, rng: np.random.Generator, largest: float, density: float
+    ) -> None:
         self.joint, self.effects = joint, effects
         self.segment = Segment(joint, length, effects, rng, largest, density)
         self.transmission = Transmission(joint, length, effects.get("capstan_hysteresis"), rng)
@@ -260,7 +126,12 @@ class Line:
         stretch = mean * line.compliance
         if soft := self.effects.get("tendon_superelasticity"):
             width = soft["width_n"]
-            stretch += soft["extra_compliance"] * line.compliance * width * float(softplus((mean - soft["knee_tension_n"]) / width))
+            stretch += (
+                soft["extra_compliance"]
+                * line.compliance
+                * width
+                * float(softplus((mean - soft["knee_tension_n"]) / width))
+            )
         creep = None
         if self.creep is not None:
             creep = self.creep * self.decay + (1 - self.decay) * self.creep_share * (mean + self.mean_before) / 2
@@ -269,14 +140,21 @@ class Line:
         if left := self.effects.get("tendon_permanent_set"):
             width = left["width_n"]
             peak = max(self.largest_tension, actuator)
-            slack += left["slack_um_per_n"] * 1e-6 * width * float(
-                softplus((peak - left["threshold_n"]) / width) - softplus(np.array(-left["threshold_n"] / width)))
+            slack += (
+                left["slack_um_per_n"]
+                * 1e-6
+                * width
+                * float(
+                    softplus((peak - left["threshold_n"]) / width) - softplus(np.array(-left["threshold_n"] / width))
+                )
+            )
         self.trial = (actuator, mean, entry, nodes, state, notches, elastic, theta, travel, creep)
         return self.joint.deadband + travel + stretch + slack
 
     mean_before = 0.0
 
     def commit(self) -> tuple[float, Array]:
+        """Keep the trial state of the solved step."""
         actuator, mean, entry, nodes, state, notches, elastic, theta, travel, creep = self.trial
         self.segment.commit(notches, elastic, theta)
         line = self.transmission
@@ -322,8 +200,17 @@ class Line:
         return trial
 
 
-def simulate(joint: Joint, length: float, drive: Array, time: Array, effects: Effects, rng: np.random.Generator, *,
-             largest: float, density: float = 6450.0) -> Trace:
+def simulate(
+    joint: Joint,
+    length: float,
+    drive: Array,
+    time: Array,
+    effects: Effects,
+    rng: np.random.Generator,
+    *,
+    largest: float,
+    density: float = 6450.0,
+) -> Trace:
     """Run a joint through `drive` (stroke in m, or actuator tension in N for a joint without tendon) at `time` (s)."""
     line = Line(joint, length, effects, rng, largest, density)
     segment = line.segment
@@ -334,7 +221,7 @@ def simulate(joint: Joint, length: float, drive: Array, time: Array, effects: Ef
     start = 0.0 if by_tension else min(position[0], joint.deadband)
     approach = np.linspace(start, position[0], lead, endpoint=False)
     clock = np.concatenate([time[0] - np.linspace(0.5, 0, lead, endpoint=False), time])
-    position = actuator_position(np.concatenate([approach, position]), clock, length, effects)
+    position = actuator_position(np.concatenate([approach, position]), effects)
     count = position.size
     tensions, thetas, lengths = np.zeros(count), np.zeros((count, segment.count)), np.full(count, length)
     scale = joint.gain(length) * joint.rigidity / joint.arm
@@ -348,7 +235,7 @@ def simulate(joint: Joint, length: float, drive: Array, time: Array, effects: Ef
         if line.creep is not None:
             line.decay = np.exp(-dt / line.tau)
         line.speed = (position[k] - position[k - 1]) / max(dt, 1e-9) if k else 0.0
-        events.apply(segment, clock[k], line)
+        events.apply(segment, clock[k])
         if by_tension:
             _drive_tension(line, float(position[k]))
         else:
@@ -366,7 +253,7 @@ def simulate(joint: Joint, length: float, drive: Array, time: Array, effects: Ef
 
 
 def _drive_tension(line: Line, tension: float) -> None:
-    """A tension-driven step: the front is explicit; a slip law needs the entry tension that gives the actuator's."""
+    """Take a tension-driven step; a slip law needs the entry tension that gives the actuator's."""
     if line.transmission.law in ("none", "front"):
         line.stroke(tension if line.transmission.law == "front" else tension / line.transmission.gain)
         while line.segment.snap(float(line.trial[2])):  # type: ignore[arg-type]
@@ -380,8 +267,8 @@ def _drive_tension(line: Line, tension: float) -> None:
         low, high = (middle, high) if line.trial[0] < tension else (low, middle)  # type: ignore[operator]
 
 
-def actuator_position(position: Array, time: Array, length: float, effects: Effects) -> Array:
-    """Where the tendon's proximal end really is: screw error, lost motion, coupling to the inner tube's stage."""
+def actuator_position(position: Array, effects: Effects) -> Array:
+    """Where the tendon's proximal end really is: screw error, a wrinkled sheath, lost motion."""
     if screw := effects.get("leadscrew_pitch_error"):
         phase = 2 * np.pi * position / (screw["period_mm"] * 1e-3) + screw["phase_rad"]
         position = position + screw["amplitude_um"] * 1e-6 * (np.sin(phase) + 0.12 * np.sin(2 * phase + 1.0))
@@ -407,7 +294,7 @@ class _Events:
         self.path = 0.0
         self.last = 0.0
 
-    def apply(self, segment: Segment, now: float, line: Line) -> None:
+    def apply(self, segment: Segment, now: float) -> None:
         elapsed = max(now - self.begin, 0.0)
         soft = 1.0
         if drift := self.effects.get("thermal_drift"):
@@ -428,7 +315,7 @@ class _Events:
             segment.cracked[broken] = self.crack["compliance_ratio"]
 
     def slip(self, line: Line, tension: float) -> bool:
-        """The tendon's end jumps in its glue when tension passes the next threshold."""
+        """Return the tendon's end jumps in its glue when tension passes the next threshold."""
         if self.left and tension > self.left[0]:
             self.left.pop(0)
             line.slipped += self.effects["termination_slip"]["step_um"] * 1e-6

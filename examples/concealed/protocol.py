@@ -1,7 +1,7 @@
 """How a user might have recorded: bending lengths, sweeps, partial reversals, holds, cycles, rates, columns.
 
-A protocol is drawn first, without looking at what was left out; an effect then asks whether the protocol could show it
-(`Needs`), and another one is drawn until it could. A clean record borrows the protocol of a random effect.
+A protocol is drawn first, without looking at what was left out; an effect then asks whether the protocol could show
+it (`Needs`), and another one is drawn until it could. A clean record borrows the protocol of a random effect.
 """
 
 from __future__ import annotations
@@ -17,7 +17,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class RunPlan:
-    """One run: tubes by index, bending length (m), drive at every simulated time, and which of those times were recorded."""
+    """One run: tubes by index, bending length (m), drive at every simulated time.
+
+    And which of those times were recorded.
+    """
 
     outer: int | None
     middle: int
@@ -41,16 +44,19 @@ class Protocol:
 
     @property
     def lengths(self) -> int:
+        """Number of bending lengths."""
         return len({run.length for run in self.runs})
 
     def kinds(self) -> set[str]:
+        """Return the kinds of sweep."""
         return {run.kind for run in self.runs}
 
     def without(self, run: int) -> Protocol:
-        """The protocol that is left when a run is held out."""
+        """Return the protocol that is left when a run is held out."""
         return replace(self, runs=self.runs[:run] + self.runs[run + 1 :])
 
     def has(self, *names: str) -> bool:
+        """Return whether any run is of one of these kinds."""
         return bool(self.kinds() & set(names))
 
     def rates(self) -> float:
@@ -79,13 +85,21 @@ def _legs(kind: str, rng: np.random.Generator) -> list[tuple[float, float, float
         return [(top, 1.0, 0.0), (rng.choice([0.0, 0.0, 0.2]), 1.0, 0.0)]
     if kind == "partial":
         a, b = rng.uniform(0.4, 0.6), rng.uniform(0.65, 0.85)
-        return [(a, 1.0, 0.0), (a - rng.uniform(0.15, 0.35), 1.0, 0.0), (b, 1.0, 0.0), (b - rng.uniform(0.2, 0.45), 1.0, 0.0),
-                (1.0, 1.0, 0.0), (rng.uniform(0.0, 0.4), 1.0, 0.0)]
+        return [
+            (a, 1.0, 0.0),
+            (a - rng.uniform(0.15, 0.35), 1.0, 0.0),
+            (b, 1.0, 0.0),
+            (b - rng.uniform(0.2, 0.45), 1.0, 0.0),
+            (1.0, 1.0, 0.0),
+            (rng.uniform(0.0, 0.4), 1.0, 0.0),
+        ]
     if kind in ("ladder", "ladder_down"):
         steps = int(rng.integers(3, 6))
         hold = rng.uniform(0.6, 2.5)
         up = [(float(f), 3.0, hold) for f in np.linspace(0, top, steps + 1)[1:]]
-        return up + ([(float(f), 3.0, hold) for f in np.linspace(top, 0, steps + 1)[1:]] if kind == "ladder_down" else [])
+        return up + (
+            [(float(f), 3.0, hold) for f in np.linspace(top, 0, steps + 1)[1:]] if kind == "ladder_down" else []
+        )
     if kind == "cycles":
         grow = rng.random() < 0.7
         low = rng.choice([0.0, 0.0, 0.15])
@@ -97,11 +111,13 @@ def _legs(kind: str, rng: np.random.Generator) -> list[tuple[float, float, float
     raise ValueError(kind)
 
 
-def _run(rng: np.random.Generator, kind: str, count: int, dt: float, jitter: float, start: float) -> tuple[Array, Array, NDArray[np.int64]]:
+def _run(
+    rng: np.random.Generator, kind: str, count: int, dt: float, jitter: float, start: float
+) -> tuple[Array, Array, NDArray[np.int64]]:
     legs = _legs(kind, rng)
     corners, drives, here = [0.0], [start], start
-    for target, speed, hold in legs:
-        target = max(float(target), start)
+    for wanted, speed, hold in legs:
+        target = max(float(wanted), start)
         corners.append(corners[-1] + max(abs(target - here), 0.02) / speed)
         drives.append(target)
         here = target
@@ -117,7 +133,7 @@ def _run(rng: np.random.Generator, kind: str, count: int, dt: float, jitter: flo
 
 
 def draw_protocol(rng: np.random.Generator, outers: int, middles: int, *, wrist: float | None = None) -> Protocol:
-    """A random protocol; `wrist` is the full length (m) of a tension-driven tube recorded notch by notch."""
+    """Return a random protocol; `wrist` is the full length (m) of a tension-driven tube recorded notch by notch."""
     runs_wanted = int(rng.choice([2, 3, 3, 4, 4, 5, 6]))
     total = int(np.exp(rng.uniform(np.log(120), np.log(800))))
     dt = float(np.exp(rng.uniform(np.log(0.02), np.log(0.5))))
@@ -126,9 +142,14 @@ def draw_protocol(rng: np.random.Generator, outers: int, middles: int, *, wrist:
         lengths = [wrist]
     else:
         number = int(rng.choice([1, 2, 3, 3, 4], p=[0.2, 0.25, 0.2, 0.2, 0.15]))
-        lengths = list(np.round(np.linspace(rng.uniform(10, 20), rng.uniform(28, 40), number), 1) * 1e-3) if number > 1 else [
-            round(rng.uniform(12, 40), 1) * 1e-3]
-    style = rng.choice(["mixed", "load", "triangle", "partial", "cycles", "ladder"], p=[0.5, 0.1, 0.12, 0.12, 0.08, 0.08])
+        lengths = (
+            list(np.round(np.linspace(rng.uniform(10, 20), rng.uniform(28, 40), number), 1) * 1e-3)
+            if number > 1
+            else [round(rng.uniform(12, 40), 1) * 1e-3]
+        )
+    style = rng.choice(
+        ["mixed", "load", "triangle", "partial", "cycles", "ladder"], p=[0.5, 0.1, 0.12, 0.12, 0.08, 0.08]
+    )
     palette = ["load", "triangle", "triangle", "partial", "partial", "ladder", "ladder_down", "cycles", "rates"]
     kinds = [str(rng.choice(palette)) if style == "mixed" else str(style) for _ in range(runs_wanted)]
     several_pairs = wrist is None and outers * middles > 1 and rng.random() < 0.15
@@ -142,8 +163,14 @@ def draw_protocol(rng: np.random.Generator, outers: int, middles: int, *, wrist:
         outer = None if not outers else (int(rng.integers(outers)) if several_pairs else 0)
         middle = int(rng.integers(middles)) if several_pairs else 0
         plans.append(RunPlan(outer, middle, float(lengths[index % len(lengths)]), kind, time, fraction, recorded))
-    return Protocol(tuple(plans), "notch" if wrist is not None else str(rng.choice(["curvature", "curvature", "bend"])),
-                    bool(rng.random() < 0.75), bool(wrist is None and rng.random() < 0.35), slack, dt)
+    return Protocol(
+        tuple(plans),
+        "notch" if wrist is not None else str(rng.choice(["curvature", "curvature", "bend"])),
+        bool(rng.random() < 0.75),
+        bool(wrist is None and rng.random() < 0.35),
+        slack,
+        dt,
+    )
 
 
 # What a proposal in words asks for, and the runs a laboratory would then record.
@@ -152,13 +179,16 @@ REQUESTS: dict[str, tuple[str, tuple[str, ...]]] = {
     "holds": (r"hold|dwell|stair|creep", ("ladder_down", "ladder")),
     "lengths": (r"bending length|x2|lengths", ("triangle", "triangle", "triangle")),
     "rates": (r"rate|speed|fast|slow|time", ("rates", "rates")),
-    "slack": (r"slack|zero tension|at rest|no tension|below the dead|zero stroke", ("triangle", "triangle", "triangle")),
+    "slack": (
+        r"slack|zero tension|at rest|no tension|below the dead|zero stroke",
+        ("triangle", "triangle", "triangle"),
+    ),
     "tension": (r"tension|force|load cell", ("triangle", "partial")),
 }
 
 
 def requested_protocol(rng: np.random.Generator, request: str, given: Protocol) -> Protocol:
-    """The protocol of one further recording of the same robot; everything else stays as it was."""
+    """Return the protocol of one further recording of the same robot; everything else stays as it was."""
     kinds = REQUESTS[request][1]
     first = given.runs[0]
     lengths = [12e-3, 24e-3, 38e-3] if request in ("lengths", "slack") else sorted({run.length for run in given.runs})
@@ -166,5 +196,10 @@ def requested_protocol(rng: np.random.Generator, request: str, given: Protocol) 
     for index, kind in enumerate(kinds):
         time, fraction, recorded = _run(rng, kind, 110, given.dt, 0.0, 0.0)
         plans.append(RunPlan(first.outer, first.middle, lengths[index % len(lengths)], kind, time, fraction, recorded))
-    return replace(given, runs=tuple(plans), has_time=True, has_tension=request == "tension" or given.has_tension,
-                   slack_start=request == "slack" or given.slack_start)
+    return replace(
+        given,
+        runs=tuple(plans),
+        has_time=True,
+        has_tension=request == "tension" or given.has_tension,
+        slack_start=request == "slack" or given.slack_start,
+    )

@@ -1,7 +1,8 @@
 """What can be left out: for each effect its component, the protocols that can show it, and random parameters.
 
-`amplitude` names the parameter that is scaled until the effect stands the wanted number of noise widths above the refitted base
-model; `limits` keep it physical; `floor` is the least size (noise widths) at which a case counts as L1. `near` lists names that would not be wrong for something outside the catalogue.
+`amplitude` names the parameter that is scaled until the effect stands the wanted number of noise widths above the
+refitted base model; `limits` keep it physical; `floor` is the least size (noise widths) at which a case counts as
+L1. `near` lists names that would not be wrong for something outside the catalogue.
 """
 
 from __future__ import annotations
@@ -19,7 +20,10 @@ Parameters = dict[str, object]
 
 @dataclass(frozen=True)
 class Context:
-    """Sizes an effect's parameters scale with: largest curvature (1/m), actuator tension (N), stroke span (mm), duration (s)."""
+    """Sizes an effect's parameters scale with: largest curvature (1/m), actuator tension (N).
+
+    Stroke span (mm), duration (s).
+    """
 
     joint: Joint
     curvature: float
@@ -55,10 +59,8 @@ def _releases(p: Protocol) -> bool:
 
 
 def _reverses_at_two_heights(p: Protocol) -> bool:
-    return (
-        p.has("partial", "cycles")
-        or sum(run.kind in RELEASING for run in p.runs) >= 2
-        and p.has("partial", "cycles", "ladder_down")
+    return p.has("partial", "cycles") or (
+        sum(run.kind in RELEASING for run in p.runs) >= 2 and p.has("partial", "cycles", "ladder_down")
     )
 
 
@@ -66,12 +68,22 @@ def _lengths(number: int) -> Needs:
     return lambda p: p.response == "notch" or p.lengths >= number
 
 
+def _snap(g: np.random.Generator, c: Context) -> Parameters:
+    at = g.uniform(0.4, 0.7) / float(c.joint.gain(0.025))
+    return {
+        "release_tension_n": c.tension * at,
+        "return_tension_n": c.tension * at * g.uniform(0.5, 0.75),
+        "jump_per_m": c.curvature * g.uniform(0.05, 0.2),
+        "groups": int(g.integers(1, 4)),
+    }
+
+
 JOINT_EFFECTS: dict[str, Recipe] = {
     "capstan_hysteresis": Recipe(
         "pulleys, notches",
         "physics",
         _reverses_at_two_heights,
-        lambda g, c: {
+        lambda g, _c: {
             "log_ratio": g.uniform(0.03, 0.25),
             "law": str(g.choice(["front", "dahl", "maxwell"])),
             "pulleys": int(g.integers(3, 8)),
@@ -87,7 +99,7 @@ JOINT_EFFECTS: dict[str, Recipe] = {
         "notches",
         "physics",
         lambda p: p.response == "notch",
-        lambda g, c: {"friction": g.uniform(0.08, 0.5)},
+        lambda g, _c: {"friction": g.uniform(0.08, 0.5)},
         "friction",
         (0.01, 0.8),
         ("notch",),
@@ -180,7 +192,7 @@ JOINT_EFFECTS: dict[str, Recipe] = {
     "notch_closure": Recipe(
         "notches",
         "physics",
-        lambda p: True,
+        lambda _p: True,
         lambda g, c: {
             "contact_curvature_per_m": c.curvature * g.uniform(0.5, 0.8),
             "width_per_m": c.curvature * g.uniform(0.005, 0.03),
@@ -195,7 +207,7 @@ JOINT_EFFECTS: dict[str, Recipe] = {
         "tube pair",
         "physics",
         lambda p: p.response != "notch" and p.steps() < 0.05,
-        lambda g, c: _snap(g, c),
+        _snap,
         "jump_per_m",
         (0.05, 15.0),
         ("curvature", "stroke"),
@@ -204,7 +216,7 @@ JOINT_EFFECTS: dict[str, Recipe] = {
         "tube pair",
         "physics",
         lambda p: p.response == "bend" and p.lengths >= 3 and p.slack_start,
-        lambda g, c: {"curvature_per_m": _sign(g) * g.uniform(0.3, 4.0)},
+        lambda g, _c: {"curvature_per_m": _sign(g) * g.uniform(0.3, 4.0)},
         "curvature_per_m",
         (0.02, 12.0),
         ("curvature", "stroke"),
@@ -212,7 +224,7 @@ JOINT_EFFECTS: dict[str, Recipe] = {
     "tip_load": Recipe(
         "environment",
         "physics",
-        lambda p: p.response == "notch" or p.lengths >= 3 and p.slack_start,
+        lambda p: p.response == "notch" or (p.lengths >= 3 and p.slack_start),
         lambda g, c: {
             "force_mn": _sign(g) * c.joint.rigidity * c.curvature / 0.03 * 1e3 * g.uniform(0.03, 0.2),
             "tilt_rad": g.uniform(-0.4, 0.4),
@@ -226,7 +238,7 @@ JOINT_EFFECTS: dict[str, Recipe] = {
         "environment",
         "physics",
         lambda p: p.response != "notch" and p.lengths >= 3 and p.slack_start,
-        lambda g, c: {"in_plane": _sign(g) * g.uniform(0.5, 1.0)},
+        lambda g, _c: {"in_plane": _sign(g) * g.uniform(0.5, 1.0)},
         "in_plane",
         (0.1, 1.0),
         ("bending_length", "notch"),
@@ -236,7 +248,7 @@ JOINT_EFFECTS: dict[str, Recipe] = {
         "inner tube",
         "physics",
         lambda p: p.response == "bend" and p.lengths >= 3,
-        lambda g, c: {"offset_mm": _sign(g) * g.uniform(0.3, 3.0)},
+        lambda g, _c: {"offset_mm": _sign(g) * g.uniform(0.3, 3.0)},
         "offset_mm",
         (0.05, 5.0),
         ("bending_length",),
@@ -278,7 +290,7 @@ JOINT_EFFECTS: dict[str, Recipe] = {
         "camera",
         "sensor",
         lambda p: p.response == "curvature" and p.lengths >= 3,
-        lambda g, c: {"scale": 1 + _sign(g) * g.uniform(0.1, 0.35)},
+        lambda g, _c: {"scale": 1 + _sign(g) * g.uniform(0.1, 0.35)},
         "scale",
         (0.6, 1.5),
         ("curvature",),
@@ -288,22 +300,12 @@ JOINT_EFFECTS: dict[str, Recipe] = {
         "camera",
         "sensor",
         lambda p: p.response == "bend" and p.lengths >= 3 and p.slack_start,
-        lambda g, c: {"offset": _sign(g) * g.uniform(1.0, 6.0)},
+        lambda g, _c: {"offset": _sign(g) * g.uniform(1.0, 6.0)},
         "offset",
         (0.05, 20.0),
         ("curvature", "stroke"),
     ),
 }
-
-
-def _snap(g: np.random.Generator, c: Context) -> Parameters:
-    at = g.uniform(0.4, 0.7) / float(c.joint.gain(0.025))
-    return {
-        "release_tension_n": c.tension * at,
-        "return_tension_n": c.tension * at * g.uniform(0.5, 0.75),
-        "jump_per_m": c.curvature * g.uniform(0.05, 0.2),
-        "groups": int(g.integers(1, 4)),
-    }
 
 
 OUTSIDE: dict[str, Recipe] = {
@@ -331,7 +333,7 @@ OUTSIDE: dict[str, Recipe] = {
         "outside",
         "outside",
         lambda p: p.has("triangle", "cycles", "partial", "rates"),
-        lambda g, c: {
+        lambda g, _c: {
             "at_share": g.uniform(0.3, 0.6),
             "notch_share": g.uniform(0.02, 0.08),
             "compliance_ratio": g.uniform(2.0, 5.0),
@@ -345,7 +347,7 @@ OUTSIDE: dict[str, Recipe] = {
         "outside",
         "outside",
         lambda p: p.has("triangle", "cycles", "partial"),
-        lambda g, c: {"at_share": g.uniform(0.15, 0.4), "frames": float(g.integers(2, 9))},
+        lambda g, _c: {"at_share": g.uniform(0.15, 0.4), "frames": float(g.integers(2, 9))},
         "frames",
         (1.0, 14.0),
         (),
@@ -393,7 +395,7 @@ OUTSIDE: dict[str, Recipe] = {
         "outside",
         "outside",
         lambda p: p.response != "notch",
-        lambda g, c: {
+        lambda g, _c: {
             "amplitude": g.uniform(0.3, 2.0),
             "turns": g.uniform(1.2, 2.6),
             "phase_rad": g.uniform(0, 2 * np.pi),
@@ -416,7 +418,7 @@ OUTSIDE: dict[str, Recipe] = {
         "outside",
         "outside",
         lambda p: p.response != "notch" and p.has("cycles", "partial", "triangle"),
-        lambda g, c: {"at_share": g.uniform(0.25, 0.7), "step": _sign(g) * g.uniform(0.5, 3.0)},
+        lambda g, _c: {"at_share": g.uniform(0.25, 0.7), "step": _sign(g) * g.uniform(0.5, 3.0)},
         "step",
         (0.05, 10.0),
         (),

@@ -1,7 +1,9 @@
-"""The published base model refitted to a response: what of an effect survives once calibration has had its way with it.
+"""The published base model refitted to a response.
 
-Rows of all runs are fitted together in the three numbers a loading record can fix: stiffness (with the pulley friction it comes
-with), friction per notch, deadband.
+What of an effect survives once calibration has had its way with it.
+
+Rows of all runs are fitted together in the three numbers a loading record can fix: stiffness (with the pulley
+friction it comes with), friction per notch, deadband.
 """
 
 from __future__ import annotations
@@ -27,6 +29,7 @@ class Rows:
     kind: str
 
     def subset(self, keep: NDArray[np.bool_]) -> Rows:
+        """Return some of the rows."""
         return replace(self, run=self.run[keep], drive=self.drive[keep], length=self.length[keep])
 
 
@@ -35,15 +38,22 @@ SCALE = np.array([1.0, 0.01, 1e-3])
 
 
 def base_response(rows: Rows, parameters: Array) -> Array:
-    """Base response of each row in the recording's unit, for (ln stiffness ratio, eta step / 0.01, deadband step in mm)."""
+    """Return base response of each row in the recording's unit, for (ln stiffness ratio, eta step / 0.01.
+
+    Deadband step in mm).
+    """
     stiffness, eta, deadband = np.asarray(parameters) * SCALE
     out = np.empty(rows.drive.size)
     for index, joint in enumerate(rows.joints):
         mine = rows.run == index
         if not mine.any():
             continue
-        trial = replace(joint, youngs_modulus=joint.youngs_modulus * np.exp(stiffness), notch_friction=joint.notch_friction + eta,
-                        deadband=joint.deadband + deadband)
+        trial = replace(
+            joint,
+            youngs_modulus=joint.youngs_modulus * np.exp(stiffness),
+            notch_friction=joint.notch_friction + eta,
+            deadband=joint.deadband + deadband,
+        )
         if joint.tendon_radius == 0:
             out[mine] = np.maximum(rows.drive[mine], 0) * trial.arm / (trial.gain(rows.length[mine]) * trial.rigidity)
         else:
@@ -63,7 +73,7 @@ def free_parameters(rows: Rows) -> NDArray[np.int64]:
 
 
 def refit(rows: Rows, response: Array, *, robust: float | None = None) -> tuple[Array, Array]:
-    """Base parameters fitted to `response` [row, k] and the fitted response [row]; `robust` is a soft-L1 width."""
+    """Return base parameters fitted to `response` [row, k] and the fitted response [row]; `robust` is a soft-L1 width."""
     from scipy.optimize import least_squares
 
     free = free_parameters(rows)
@@ -76,7 +86,14 @@ def refit(rows: Rows, response: Array, *, robust: float | None = None) -> tuple[
         p[free] = x
         return base_response(seen, p) - target[good]
 
-    fit = least_squares(residual, START[free], x_scale=0.1, loss="linear" if robust is None else "soft_l1", f_scale=robust or 1.0, max_nfev=40)
+    fit = least_squares(
+        residual,
+        START[free],
+        x_scale=0.1,
+        loss="linear" if robust is None else "soft_l1",
+        f_scale=robust or 1.0,
+        max_nfev=40,
+    )
     best = START.copy()
     best[free] = fit.x
     return best, base_response(rows, best)

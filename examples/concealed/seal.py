@@ -1,7 +1,7 @@
 """Writing cases where the answering side may look, and their truth where it may not.
 
-A case's folder is named by a hash; the folder holds a configuration and recordings and nothing else. All truths go to one
-file whose SHA-256 is printed before any answer exists and checked before any answer is scored.
+A case's folder is named by a hash; the folder holds a configuration and recordings and nothing else. All truths go
+to one file whose SHA-256 is printed before any answer exists and checked before any answer is scored.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ from examples.concealed.case import Case
 SEALED = "truth.sealed.json"
 
 
-class BrokenSeal(Exception):
+class BrokenSealError(Exception):
     """The truths are not those whose hash was printed."""
 
 
 def case_id(seed: int, kind: str) -> str:
-    """A name that says nothing of what is inside."""
+    """Return a name that says nothing of what is inside."""
     return hashlib.sha256(f"concealed/{kind}/{seed}".encode()).hexdigest()[:12]
 
 
@@ -74,11 +74,11 @@ def write(out: Path, cases: Iterable[tuple[str, Case]]) -> str:
 
 
 def unseal(out: Path, digest: str | None = None) -> dict[str, dict[str, Any]]:
-    """The truths by case id; refuses a file that is not the one sealed."""
+    """Return the truths by case id; refuses a file that is not the one sealed."""
     blob = (out / SEALED).read_bytes()
     expected = digest or (out / f"{SEALED}.sha256").read_text(encoding="utf-8").strip()
     if hashlib.sha256(blob).hexdigest() != expected:
-        raise BrokenSeal(f"{out / SEALED} has changed since it was sealed as {expected}")
+        raise BrokenSealError(f"{out / SEALED} has changed since it was sealed as {expected}")
     return dict(json.loads(blob))
 
 

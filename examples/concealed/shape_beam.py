@@ -1,7 +1,10 @@
-"""A notched tube or an assembled pair under its own weight: a midpoint box scheme on (angle, moment), solved by banded Newton.
+"""A notched tube or an assembled pair under its own weight: a midpoint box scheme on (angle, moment).
 
-theta' = k0(s) - M/EI(s),  M' = -(V + P) cos(theta) - H sin(theta),  theta(0) = tilt, M(L) = 0, with V the weight beyond s, P a
-downward and H an outward force at the tip. Second order in the element length; every cut and every ring has `ELEMENTS` of them.
+Solved by banded Newton.
+
+theta' = k0(s) - M/EI(s),  M' = -(V + P) cos(theta) - H sin(theta),  theta(0) = tilt, M(L) = 0, with V the weight
+beyond s, P a downward and H an outward force at the tip. Second order in the element length; every cut and every
+ring has `ELEMENTS` of them.
 """
 
 from __future__ import annotations
@@ -18,7 +21,8 @@ ELEMENTS = 2
 @dataclass(frozen=True)
 class Strand:
     """A beam as the solver sees it, element by element: length (m), rigidity (N m^2), weight (N/m), natural curvature (1/m),
-    and the stretch of the recorded line per curvature (m): the strip's axis is off the tube's."""
+    and the stretch of the recorded line per curvature (m): the strip's axis is off the tube's.
+    """
 
     length: Array
     rigidity: Array
@@ -38,7 +42,9 @@ class Shape:
     curvature: Array
 
 
-def solve(strand: Strand, *, tilt: float = 0.0, down: float = 0.0, outward: float = 0.0, floor: float | None = None) -> Shape:
+def solve(
+    strand: Strand, *, tilt: float = 0.0, down: float = 0.0, outward: float = 0.0, floor: float | None = None
+) -> Shape:
     """Equilibrium followed from the weightless shape; `floor` is the height (m) of a table, met by a stiff spring."""
     h, count = strand.length, strand.length.size
     state = np.zeros((count + 1, 2))
@@ -115,5 +121,10 @@ def _line(strand: Strand, state: Array) -> Shape:
     # Chord of an arc: exact for the element's uniform curvature.
     chord = run * np.sinc(h * curvature / 2 / np.pi)
     zero = np.zeros(1)
-    return Shape(np.concatenate([zero, np.cumsum(h)]), np.concatenate([zero, np.cumsum(chord * np.cos(middle))]),
-                 np.concatenate([zero, np.cumsum(chord * np.sin(middle))]), theta, curvature)
+    return Shape(
+        np.concatenate([zero, np.cumsum(h)]),
+        np.concatenate([zero, np.cumsum(chord * np.cos(middle))]),
+        np.concatenate([zero, np.cumsum(chord * np.sin(middle))]),
+        theta,
+        curvature,
+    )

@@ -1,245 +1,31 @@
 """Concealed shapes: photographs of single tubes and assembled pairs under their weight, with one thing left out.
 
-The base that a user can calibrate is one modulus for all tubes and the natural curvature of each; an effect is level L1 when
-what survives that calibration, and the tip's movement, stand clear of the noise of the points. A pair is the composite beam.
+The base that a user can calibrate is one modulus for all tubes and the natural curvature of each; an effect is
+level L1 when what survives that calibration, and the tip's movement, stand clear of the noise of the points. A pair
+is the composite beam.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from examples.concealed.case import Case
-from examples.concealed.design import Joint, Robot, Tube, config_text, ring, sector
-from examples.concealed.shape_beam import ELEMENTS, Strand, solve
-
-Array = NDArray[np.float64]
-Parameters = dict[str, float]
+from examples.concealed.design import Joint, Robot, Tube, config_text
+from examples.concealed.shape_recipes import (
+    SHAPE_EFFECTS,
+    SHAPE_HIDING,
+    SHAPE_NEUTRAL,
+    SHAPE_OUTSIDE,
+    SHAPE_RECIPES,
+    has_pairs,
+    single_tubes,
+    tube_count,
+)
+from examples.concealed.shape_scene import Array, Scene, ShapeRun, photograph, tubes_of
 
 SHAPE_LEVELS = {"L0": 0.25, "LP": 0.07, "L1": 0.42, "L2": 0.08, "L3": 0.06, "L6": 0.12}
-GRAVITY = 9.81
-
-
-@dataclass(frozen=True)
-class ShapeRun:
-    """One photograph: tube names' indices (both for a pair), natural side up, arc fractions of its points."""
-
-    outer: int | None
-    middle: int | None
-    up: bool
-    points: Array
-
-
-@dataclass(frozen=True)
-class Scene:
-    """Everything that makes the shapes of a case."""
-
-    robot: Robot
-    runs: tuple[ShapeRun, ...]
-    modulus: float
-    natural: Mapping[str, float]
-    effects: Mapping[str, Parameters]
-
-
-@dataclass(frozen=True)
-class ShapeRecipe:
-    """One left-out effect of shapes: its parameters, what recordings show it, and its amplitude for scaling."""
-
-    component: str
-    kind: str
-    needs: Callable[[tuple[ShapeRun, ...]], bool]
-    draw: Callable[[np.random.Generator], Parameters]
-    amplitude: str
-    limits: tuple[float, float]
-    near: tuple[str, ...] = ()
-
-
-def _single(runs: tuple[ShapeRun, ...]) -> bool:
-    return all(run.outer is None or run.middle is None for run in runs)
-
-
-def _pairs(runs: tuple[ShapeRun, ...]) -> bool:
-    return any(run.outer is not None and run.middle is not None for run in runs)
-
-
-def _tubes(runs: tuple[ShapeRun, ...]) -> int:
-    return len({(run.outer, run.middle) for run in runs})
-
-
-def _flipped(runs: tuple[ShapeRun, ...]) -> bool:
-    return len({run.up for run in runs}) == 2 and len({(run.outer, run.middle, run.up) for run in runs}) == 2 * _tubes(runs)
-
-
-def _sign(g: np.random.Generator) -> float:
-    return float(g.choice([-1.0, 1.0]))
-
-
-def _defect(g: np.random.Generator) -> Parameters:
-    """A cracked notch or two, or a place where solder has stiffened a few."""
-    if g.random() < 0.75:
-        return {"pitches": float(g.integers(1, 3)), "stiffness_ratio": g.uniform(0.05, 0.5)}
-    return {"pitches": float(g.integers(3, 9)), "stiffness_ratio": g.uniform(4.0, 15.0)}
-
-
-SHAPE_EFFECTS: dict[str, ShapeRecipe] = {
-    "base_tilt": ShapeRecipe("clamp", "physics", _single, lambda g: {"angle_deg": _sign(g) * g.uniform(0.3, 5)}, "angle_deg", (0.02, 10)),
-    "tip_load": ShapeRecipe("environment", "physics", lambda r: _single(r) and _flipped(r), lambda g: {"force_mn": g.uniform(0.02, 0.4)}, "force_mn", (0.001, 3)),
-    "precurvature_gradient": ShapeRecipe("tube", "physics", lambda r: _single(r) and _flipped(r), lambda g: {"share": _sign(g) * g.uniform(0.2, 1.0), "tube": 0.0},
-                                         "share", (0.01, 3)),
-    "local_stiffness_defect": ShapeRecipe("notch", "physics", lambda r: _single(r) and _tubes(r) == 1,
-                                          lambda g: {"at_share": g.uniform(0.08, 0.55), **_defect(g)},
-                                          "stiffness_ratio", (0.02, 0.9)),
-    "notch_depth_error": ShapeRecipe("tube", "parameter", lambda r: _single(r) and _flipped(r) and _tubes(r) >= 3, lambda g: {"error_um": _sign(g) * g.uniform(4, 25), "tube": 0.0},
-                                     "error_um", (0.5, 30)),
-    "chord_section": ShapeRecipe("tube", "physics", lambda r: _single(r) and _flipped(r) and _tubes(r) >= 3, lambda g: {"share": 1.0}, "share", (1, 1)),
-    "notch_end_effect": ShapeRecipe("tube", "physics", lambda r: _single(r) and _flipped(r) and _tubes(r) >= 3, lambda g: {"scale": g.uniform(0.7, 1.3)}, "scale", (0.6, 1.4)),
-    "neutral_axis_offset": ShapeRecipe("tube", "physics", lambda r: _single(r) and _flipped(r), lambda g: {"share": g.uniform(0.85, 1.15)}, "share", (0.8, 1.2)),
-    "roll_misalignment": ShapeRecipe("pair", "physics", _pairs, lambda g: {"roll_deg": g.uniform(5, 30)}, "roll_deg", (3, 40)),
-    "camera_scale": ShapeRecipe("camera", "sensor", lambda r: True, lambda g: {"scale": 1 + _sign(g) * g.uniform(0.01, 0.06)}, "scale", (0.85, 1.15)),
-}
-SHAPE_OUTSIDE: dict[str, ShapeRecipe] = {
-    "camera_tilt": ShapeRecipe("outside", "outside", lambda r: True, lambda g: {"foreshortening": g.uniform(0.01, 0.06)}, "foreshortening", (0.002, 0.2), ("camera_scale",)),
-    "lens_distortion": ShapeRecipe("outside", "outside", lambda r: True, lambda g: {"radial": _sign(g) * g.uniform(0.01, 0.06)}, "radial", (0.002, 0.2), ("camera_scale",)),
-    "kink": ShapeRecipe("outside", "outside", lambda r: _single(r) and _tubes(r) == 1, lambda g: {"at_share": g.uniform(0.15, 0.7), "angle_deg": _sign(g) * g.uniform(1, 8)},
-                        "angle_deg", (0.1, 20), ("local_stiffness_defect",)),
-    "wavy_heat_set": ShapeRecipe("outside", "outside", _single, lambda g: {"amplitude_per_m": g.uniform(1, 6), "waves": g.uniform(2.5, 6), "phase_rad": g.uniform(0, 6.28)},
-                                 "amplitude_per_m", (0.1, 12)),
-    "half_coated": ShapeRecipe("outside", "outside", _single, lambda g: {"extra_weight": g.uniform(0.3, 1.5), "from_share": g.uniform(0.3, 0.6)}, "extra_weight", (0.02, 4),
-                               ("tip_load", "gravity")),
-    "table_contact": ShapeRecipe("outside", "outside", lambda r: _single(r) and any(not run.up for run in r), lambda g: {"depth_share": g.uniform(0.4, 0.8)}, "depth_share", (0.2, 0.95),
-                                 ("tip_load",)),
-    "assembly_friction": ShapeRecipe("outside", "outside", _pairs, lambda g: {"moment_n_mm": _sign(g) * g.uniform(0.002, 0.03)}, "moment_n_mm", (1e-4, 0.2), ("coulomb_friction",)),
-    "draught": ShapeRecipe("outside", "outside", _single, lambda g: {"share_of_weight": _sign(g) * g.uniform(0.05, 0.4)}, "share_of_weight", (0.005, 1.0), ("tip_load",)),
-}
-SHAPE_RECIPES = SHAPE_EFFECTS | SHAPE_OUTSIDE
-SHAPE_NEUTRAL = {"stiffness_ratio": 1.0, "scale": 1.0}
-# Recordings in which calibration takes the effect for a modulus or a natural curvature.
-SHAPE_HIDING: dict[str, tuple[str, ...]] = {"notch_end_effect": ("youngs_modulus", "chord_section", "notch_depth_error"),
-                                            "chord_section": ("youngs_modulus", "notch_end_effect", "notch_depth_error"),
-                                            "notch_depth_error": ("youngs_modulus", "notch_end_effect", "chord_section"), "gravity": ("youngs_modulus",)}
-
-
-# -- the physics of one photograph -------------------------------------------------------------------------------------------
-
-
-def chord_moments(tube: Tube) -> tuple[float, float]:
-    """Area (m^2) and second moment (m^4) of the strip left by a straight laser cut."""
-    ro, ri = tube.outer_diameter / 2, tube.inner_diameter / 2
-    rise = tube.depth - ro
-    parts = []
-    for radius in (ro, ri):
-        if abs(rise) >= radius:
-            parts.append((0.0, 0.0, 0.0))
-            continue
-        a = float(np.arccos(rise / radius))
-        lune = a - np.sin(a) * np.cos(a)
-        parts.append((radius**2 * lune, 2 * radius / 3 * np.sin(a) ** 3 / lune, radius**4 / 4 * (lune + 2 * np.sin(a) ** 3 * np.cos(a))))
-    (ao, yo, jo), (ai, yi, ji) = parts
-    area = ao - ai
-    axis = (yo * ao - yi * ai) / area
-    return float(area), float(jo - ji - area * axis**2)
-
-
-def end_length(tube: Tube, scale: float) -> float:
-    """Extra cut length (m) of the notch end effect, shaped after the solid-element figures: falls with depth, grows with the ring."""
-    ro = tube.outer_diameter / 2
-    return float(scale * ro * np.interp(tube.depth / ro, [1.45, 1.57, 1.75, 1.88], [0.80, 0.73, 0.58, 0.47])
-                 * np.interp(tube.uncut / ro, [0.5, 1.5, 3.0], [0.53, 1.0, 1.2]))
-
-
-def _cells(tube: Tube, modulus: float, effects: Mapping[str, Parameters], *, chosen: bool) -> tuple[Array, Array, Array, Array]:
-    """Length, rigidity, weight and strip-axis offset of a tube, element by element."""
-    if chosen and (error := effects.get("notch_depth_error")):
-        tube = replace(tube, depth=min(tube.depth + error["error_um"] * 1e-6, 0.97 * tube.outer_diameter))
-    area, axis, moment = sector(tube)
-    if "chord_section" in effects:
-        area, moment = chord_moments(tube)
-    if end := effects.get("notch_end_effect"):
-        # The extra compliance sits where the strip meets the ring; the pitch keeps its length.
-        moment = tube.cut / (tube.cut / moment + end_length(tube, end["scale"]) * (1 / moment - 1 / ring(tube)[1]))
-    full, stiff = ring(tube)
-    length = np.tile(np.repeat([tube.uncut, tube.cut], ELEMENTS) / ELEMENTS, tube.count)
-    rigidity = modulus * np.tile(np.repeat([stiff, moment], ELEMENTS), tube.count)
-    if defect := effects.get("local_stiffness_defect"):
-        cell = int(defect["at_share"] * tube.count)
-        for pitch in range(cell, cell + int(defect["pitches"])):
-            rigidity[2 * ELEMENTS * pitch + ELEMENTS: 2 * ELEMENTS * (pitch + 1)] *= defect["stiffness_ratio"]
-    weight = 6450.0 * GRAVITY * np.tile(np.repeat([full, area], ELEMENTS), tube.count)
-    return length, rigidity, weight, np.tile(np.repeat([0.0, axis], ELEMENTS), tube.count)
-
-
-def photograph(scene: Scene, run: ShapeRun) -> Array:
-    """Noiseless points [n, 2] (mm) of one run."""
-    effects, robot = scene.effects, scene.robot
-    outer = None if run.outer is None else robot.outers[run.outer]
-    middle = None if run.middle is None else robot.middles[run.middle]
-    flip = 1.0 if run.up else -1.0
-    tubes = [tube for tube in (outer, middle) if tube is not None]
-    first = tubes[0]
-    chosen = (run.outer if run.outer is not None else -1 - (run.middle or 0)) == (scene.runs[0].outer if scene.runs[0].outer is not None else -1 - (scene.runs[0].middle or 0))
-    cells = [_cells(tube, scene.modulus, effects, chosen=chosen) for tube in tubes]
-    length, rigidity, weight = cells[0][0], sum(cell[1] for cell in cells), sum(cell[2] for cell in cells)
-    s = np.cumsum(length) - length / 2
-    total = float(length.sum())
-    roll = np.radians(effects.get("roll_misalignment", {}).get("roll_deg", 0.0))
-    if len(tubes) == 2:
-        # Default: the outer curves against gravity, the middle along it.
-        pull = cells[0][1] * scene.natural[first.name] - cells[1][1] * scene.natural[tubes[1].name] * np.cos(roll)
-        natural = flip * pull / rigidity
-        sideways = cells[1][1] * scene.natural[tubes[1].name] * np.sin(roll) / rigidity
-        if friction := effects.get("assembly_friction"):
-            natural = natural + friction["moment_n_mm"] * 1e-3 / rigidity * np.sign(s - total / 3)
-    else:
-        natural, sideways = np.full(length.size, flip * scene.natural[first.name]), np.zeros(length.size)
-    if (gradient := effects.get("precurvature_gradient")) and chosen:
-        natural = natural * (1 + gradient["share"] * (s / total - 0.5))
-    if wavy := effects.get("wavy_heat_set"):
-        natural = natural + flip * wavy["amplitude_per_m"] * np.sin(2 * np.pi * wavy["waves"] * s / total + wavy["phase_rad"])
-    if kink := effects.get("kink"):
-        at = int(kink["at_share"] * length.size)
-        natural = natural.copy()
-        natural[at] += flip * np.radians(kink["angle_deg"]) / length[at]
-    if coat := effects.get("half_coated"):
-        weight = weight * (1 + coat["extra_weight"] * (s > coat["from_share"] * total))
-    weight = weight * effects.get("gravity", {}).get("in_plane", 1.0)
-    axis = np.zeros(length.size)
-    if offset := effects.get("neutral_axis_offset"):
-        axis = flip * cells[0][3] * offset["share"]
-    wind = effects.get("draught", {}).get("share_of_weight", 0.0) * float((weight * length).sum())
-    strand = Strand(length, rigidity, weight, natural, axis)
-    floor = None
-    tilt = np.radians(effects.get("base_tilt", {}).get("angle_deg", 0.0))
-    if contact := effects.get("table_contact"):
-        free = solve(strand, tilt=tilt)
-        floor = float(min(free.y.min() * contact["depth_share"], -2e-3))
-    shape = solve(strand, tilt=tilt, down=effects.get("tip_load", {}).get("force_mn", 0.0) * 1e-3, outward=wind, floor=floor)
-    turned = np.cumsum(sideways * length)
-    x, y = shape.x, shape.y
-    if roll:
-        # Out of plane the camera sees the projection.
-        x = np.concatenate([[0.0], np.cumsum(np.diff(x) * np.cos(turned))])
-        y = np.concatenate([[0.0], np.cumsum(np.diff(y) * np.cos(turned))])
-    at = run.points * total
-    points = 1e3 * np.column_stack([np.interp(at, shape.s, x), np.interp(at, shape.s, y)])
-    return _lens(points, effects)
-
-
-def _lens(points: Array, effects: Mapping[str, Parameters]) -> Array:
-    if scale := effects.get("camera_scale"):
-        points = points * scale["scale"]
-    if tilt := effects.get("camera_tilt"):
-        points = points * np.array([1.0, 1 - tilt["foreshortening"]]) / (1 + tilt["foreshortening"] * points[:, :1] / 100)
-    if lens := effects.get("lens_distortion"):
-        centre = points.mean(axis=0)
-        radius = ((points - centre) ** 2).sum(axis=1, keepdims=True) / 50.0**2
-        points = centre + (points - centre) * (1 + lens["radial"] * radius)
-    return points
-
-
-# -- drawing a case -----------------------------------------------------------------------------------------------------------
 
 
 def draw_stock(rng: np.random.Generator) -> Robot:
@@ -254,19 +40,44 @@ def draw_stock(rng: np.random.Generator) -> Robot:
     total = rng.uniform(60, 110)
 
     def tube(name: str, diameter: float, bore: float) -> Tube:
-        c, u = (round(float(rng.choice([0.2, 0.3, 0.4, 0.6])), 3), round(float(rng.choice([0.2, 0.3, 0.5])), 3)) if mixed else (cut, uncut)
-        return Tube(name, diameter * mm, bore * mm, round(diameter * rng.uniform(0.60, 0.80), 3) * mm, c * mm, u * mm,
-                    max(int(total / (c + u)), 20), round(float(rng.uniform(0.8, 11.0)), 1))
+        c, u = (
+            (round(float(rng.choice([0.2, 0.3, 0.4, 0.6])), 3), round(float(rng.choice([0.2, 0.3, 0.5])), 3))
+            if mixed
+            else (cut, uncut)
+        )
+        return Tube(
+            name,
+            diameter * mm,
+            bore * mm,
+            round(diameter * rng.uniform(0.60, 0.80), 3) * mm,
+            c * mm,
+            u * mm,
+            max(int(total / (c + u)), 20),
+            round(float(rng.uniform(0.8, 11.0)), 1),
+        )
 
     outers = tuple(tube(f"OT{i + 1}", out_od, out_id) for i in range(int(rng.integers(2, 5))))
     middles = tuple(tube(f"MT{i + 1}", od, inner) for i in range(int(rng.integers(1, 4))))
-    joint = Joint(outers[0], middles[0], round(rng.uniform(38, 65), 1) * 1e9, 0.2965, round(np.pi, 6), 1.0063, 1.2e-3, 0.038e-3, 53.965e9, 0.38868)
+    joint = Joint(
+        outers[0],
+        middles[0],
+        round(rng.uniform(38, 65), 1) * 1e9,
+        0.2965,
+        round(np.pi, 6),
+        1.0063,
+        1.2e-3,
+        0.038e-3,
+        53.965e9,
+        0.38868,
+    )
     return Robot(outers, middles, joint, (round(inner * 0.8, 3) * mm, round(inner * 0.5, 3) * mm))
 
 
 def draw_runs(rng: np.random.Generator, robot: Robot) -> tuple[ShapeRun, ...]:
     """Which tubes are photographed, which way up, with how many points."""
-    stock: list[tuple[int | None, int | None]] = [(i, None) for i in range(len(robot.outers))] + [(None, i) for i in range(len(robot.middles))]
+    stock: list[tuple[int | None, int | None]] = [(i, None) for i in range(len(robot.outers))] + [
+        (None, i) for i in range(len(robot.middles))
+    ]
     style = str(rng.choice(["one", "flips", "stock", "stock_flips", "pair"], p=[0.12, 0.3, 0.2, 0.2, 0.18]))
     count = int(np.exp(rng.uniform(np.log(40), np.log(300))))
 
@@ -280,7 +91,12 @@ def draw_runs(rng: np.random.Generator, robot: Robot) -> tuple[ShapeRun, ...]:
 
     order = [stock[i] for i in rng.permutation(len(stock))]
     if style == "pair":
-        matching = [(i, j) for i, o in enumerate(robot.outers) for j, m in enumerate(robot.middles) if (o.cut, o.uncut, o.count) == (m.cut, m.uncut, m.count)]
+        matching = [
+            (i, j)
+            for i, o in enumerate(robot.outers)
+            for j, m in enumerate(robot.middles)
+            if (o.cut, o.uncut, o.count) == (m.cut, m.uncut, m.count)
+        ]
         if matching:
             pair = matching[int(rng.integers(len(matching)))]
             runs = [one(*pair, up=True)] + ([one(*pair, up=False)] if rng.random() < 0.7 else [one(*pair, up=True)])
@@ -300,10 +116,16 @@ def draw_runs(rng: np.random.Generator, robot: Robot) -> tuple[ShapeRun, ...]:
 
 
 def make_shape_case(seed: int, level: str | None = None, effect: str | None = None) -> Case:
-    """The shape case of a seed; `level` and `effect` restrict what is drawn."""
+    """Return the shape case of a seed; `level` and `effect` restrict what is drawn."""
     rng = np.random.default_rng([seed, 70823])
     if level is None:
-        level = "L1" if effect in SHAPE_EFFECTS else "L6" if effect in SHAPE_OUTSIDE else str(rng.choice(list(SHAPE_LEVELS), p=list(SHAPE_LEVELS.values())))
+        level = (
+            "L1"
+            if effect in SHAPE_EFFECTS
+            else "L6"
+            if effect in SHAPE_OUTSIDE
+            else str(rng.choice(list(SHAPE_LEVELS), p=list(SHAPE_LEVELS.values())))
+        )
     for attempt in range(60):
         try:
             case = _try_shape(np.random.default_rng([seed, 91, attempt]), seed, level, effect)
@@ -315,15 +137,18 @@ def make_shape_case(seed: int, level: str | None = None, effect: str | None = No
 
 
 def _try_shape(rng: np.random.Generator, seed: int, level: str, effect: str | None) -> Case | None:
-    names = [] if level in ("L0", "LP") else [effect or str(rng.choice(list(
-        {"L6": SHAPE_OUTSIDE, "L2": SHAPE_HIDING}.get(level, SHAPE_EFFECTS))))]
+    names = (
+        []
+        if level in ("L0", "LP")
+        else [effect or str(rng.choice(list({"L6": SHAPE_OUTSIDE, "L2": SHAPE_HIDING}.get(level, SHAPE_EFFECTS))))]
+    )
     donor = names[0] if names else str(rng.choice(list(SHAPE_EFFECTS)))
     recipe = SHAPE_RECIPES.get(donor)
     for _ in range(200):
         robot = draw_stock(rng)
         runs = draw_runs(rng, robot)
         if level == "L2":
-            fits = _single(runs) and _tubes(runs) == 1
+            fits = single_tubes(runs) and tube_count(runs) == 1
         else:
             fits = recipe is not None and recipe.needs(runs)
         if fits:
@@ -332,12 +157,22 @@ def _try_shape(rng: np.random.Generator, seed: int, level: str, effect: str | No
         return None
     modulus = robot.joint.youngs_modulus * (1 + float(np.clip(rng.normal(0, 0.02), -0.06, 0.06)))
     tubes = [*robot.outers, *robot.middles]
-    natural = {tube.name: tube.natural_curvature * (1 + float(np.clip(rng.normal(0, 0.01), -0.03, 0.03))) for tube in tubes}
-    if _pairs(runs) or rng.random() < 0.2:
+    natural = {
+        tube.name: tube.natural_curvature * (1 + float(np.clip(rng.normal(0, 0.01), -0.03, 0.03))) for tube in tubes
+    }
+    if has_pairs(runs) or rng.random() < 0.2:
         modulus, natural = robot.joint.youngs_modulus, {tube.name: tube.natural_curvature for tube in tubes}
     if level == "LP":
         modulus = robot.joint.youngs_modulus * float(rng.choice([rng.uniform(0.6, 0.85), rng.uniform(1.15, 1.4)]))
-    parameters = {} if not names else {names[0]: SHAPE_RECIPES[names[0]].draw(rng) if names[0] in SHAPE_RECIPES else {"in_plane": float(rng.uniform(0.5, 0.9))}}
+    parameters = (
+        {}
+        if not names
+        else {
+            names[0]: SHAPE_RECIPES[names[0]].draw(rng)
+            if names[0] in SHAPE_RECIPES
+            else {"in_plane": float(rng.uniform(0.5, 0.9))}
+        }
+    )
     clean = Scene(robot, runs, modulus, natural, {})
     base = [photograph(clean, run) for run in runs]
     if max(float(np.abs(points).max()) for points in base) < 1.0:
@@ -346,7 +181,11 @@ def _try_shape(rng: np.random.Generator, seed: int, level: str, effect: str | No
     sigma = float(np.exp(rng.uniform(np.log(0.01), np.log(0.15))))
     size: dict[str, float] = {}
     if names:
-        wanted = float(np.exp(rng.uniform(np.log(0.15), np.log(0.7)))) if level == "L3" else float(np.exp(rng.uniform(np.log(1.2), np.log(15))))
+        wanted = (
+            float(np.exp(rng.uniform(np.log(0.15), np.log(0.7))))
+            if level == "L3"
+            else float(np.exp(rng.uniform(np.log(1.2), np.log(15))))
+        )
         scaled = _scale_shape(scene, base, names[0], wanted, sigma, level)
         if scaled is None:
             return None
@@ -355,14 +194,23 @@ def _try_shape(rng: np.random.Generator, seed: int, level: str, effect: str | No
 
 
 def _survives(scene: Scene, shapes: list[Array]) -> float:
-    """RMS distance (mm) left when modulus and natural curvatures are refitted to noiseless shapes; pairs refit the modulus."""
+    """RMS distance (mm) left when modulus and natural curvatures are refitted to noiseless shapes.
+
+    Pairs refit the modulus.
+    """
     from scipy.optimize import least_squares
 
-    names = sorted({tube.name for run in scene.runs for tube in _of(scene.robot, run)}) if not _pairs(scene.runs) else []
+    names = (
+        sorted({tube.name for run in scene.runs for tube in tubes_of(scene.robot, run)})
+        if not has_pairs(scene.runs)
+        else []
+    )
     target = np.concatenate(shapes)
 
     def residual(x: Array) -> Array:
-        natural = dict(scene.natural) | {name: scene.natural[name] + 0.5 * step for name, step in zip(names, x[1:], strict=True)}
+        natural = dict(scene.natural) | {
+            name: scene.natural[name] + 0.5 * step for name, step in zip(names, x[1:], strict=True)
+        }
         trial = replace(scene, effects={}, modulus=scene.modulus * float(np.exp(np.clip(x[0], -2, 2))), natural=natural)
         return (np.concatenate([photograph(trial, run) for run in scene.runs]) - target).ravel()
 
@@ -370,11 +218,9 @@ def _survives(scene: Scene, shapes: list[Array]) -> float:
     return float(np.sqrt(2 * np.mean(fit.fun**2)))
 
 
-def _of(robot: Robot, run: ShapeRun) -> list[Tube]:
-    return ([robot.outers[run.outer]] if run.outer is not None else []) + ([robot.middles[run.middle]] if run.middle is not None else [])
-
-
-def _scale_shape(scene: Scene, base: list[Array], name: str, wanted: float, sigma: float, level: str) -> tuple[Scene, float, dict[str, float]] | None:
+def _scale_shape(
+    scene: Scene, base: list[Array], name: str, wanted: float, sigma: float, level: str
+) -> tuple[Scene, float, dict[str, float]] | None:
     """Bring what survives calibration to `wanted` noise widths, by amplitude first and noise where amplitude is bound."""
     for _ in range(3):
         shapes = [photograph(scene, run) for run in scene.runs]
@@ -387,13 +233,19 @@ def _scale_shape(scene: Scene, base: list[Array], name: str, wanted: float, sigm
             break
         recipe = SHAPE_RECIPES[name]
         values = dict(scene.effects[name])
-        neutral = SHAPE_NEUTRAL.get(recipe.amplitude, 0.0) if name in ("camera_scale", "local_stiffness_defect") else 0.0
+        neutral = (
+            SHAPE_NEUTRAL.get(recipe.amplitude, 0.0) if name in ("camera_scale", "local_stiffness_defect") else 0.0
+        )
         low, high = recipe.limits
         before = values[recipe.amplitude]
         value = neutral + (before - neutral) * ratio
         if name == "local_stiffness_defect" and before > 1:
             value = before
-        value = float(np.clip(value, low, max(high, before))) if neutral else float(np.sign(value) * np.clip(abs(value), low, high))
+        value = (
+            float(np.clip(value, low, max(high, before)))
+            if neutral
+            else float(np.sign(value) * np.clip(abs(value), low, high))
+        )
         if abs(value - before) < 0.02 * abs(before - neutral):
             sigma = float(np.clip(left / wanted, 0.008, 0.2))
             break
@@ -407,7 +259,16 @@ def _scale_shape(scene: Scene, base: list[Array], name: str, wanted: float, sigm
     return scene, sigma, {"noise_widths": left / sigma, "tip_noise_widths": tip / sigma}
 
 
-def _record(rng: np.random.Generator, seed: int, level: str, names: list[str], scene: Scene, base: list[Array], sigma: float, size: dict[str, float]) -> Case:
+def _record(
+    rng: np.random.Generator,
+    seed: int,
+    level: str,
+    names: list[str],
+    scene: Scene,
+    base: list[Array],
+    sigma: float,
+    size: dict[str, float],
+) -> Case:
     robot, runs = scene.robot, scene.runs
     truth = [photograph(scene, run) for run in runs] if names else base
     correlation = float(rng.choice([0.0, 0.0, rng.uniform(0.3, 0.8)]))
@@ -417,29 +278,52 @@ def _record(rng: np.random.Generator, seed: int, level: str, names: list[str], s
     single: list[str] = []
     paired: list[str] = []
     sealed_points = {}
-    for label, run, points in zip(labels, runs, truth, strict=True):
-        points = points + (size_misfit * np.sin(2 * np.pi * turns * run.points + phase))[:, None] * np.array([0.2, 1.0]) * run.points[:, None]
+    for label, run, exact in zip(labels, runs, truth, strict=True):
+        points = (
+            exact
+            + (size_misfit * np.sin(2 * np.pi * turns * run.points + phase))[:, None]
+            * np.array([0.2, 1.0])
+            * run.points[:, None]
+        )
         sealed_points[label] = np.round(points, 6).tolist()
         unit = rng.standard_normal(points.shape)
         for k in range(1, len(unit)):
             unit[k] = correlation * unit[k - 1] + np.sqrt(1 - correlation**2) * unit[k]
         seen = points + sigma * unit * np.minimum(run.points * 20, 1.0)[:, None]
         side = [("up" if run.up else "down")] if flips else []
-        who = [tube.name for tube in _of(robot, run)]
-        (paired if len(who) == 2 else single).extend(",".join([label, *who, *side, f"{x:.4f}", f"{y:.4f}"]) for x, y in seen)
+        who = [tube.name for tube in tubes_of(robot, run)]
+        (paired if len(who) == 2 else single).extend(
+            ",".join([label, *who, *side, f"{x:.4f}", f"{y:.4f}"]) for x, y in seen
+        )
     tail = (["natural"] if flips else []) + ["x_mm", "y_mm"]
     files = {}
-    for name, columns, rows in (("shapes.csv", ["run", "tube"], single), ("shapes_of_pairs.csv", ["run", "outer", "middle"], paired)):
+    for name, columns, rows in (
+        ("shapes.csv", ["run", "tube"], single),
+        ("shapes_of_pairs.csv", ["run", "outer", "middle"], paired),
+    ):
         if rows:
             files[name] = "\n".join([",".join([*columns, *tail]), *rows]) + "\n"
     recipe = SHAPE_RECIPES.get(names[0]) if names else None
     sealed: dict[str, object] = {
-        "level": level, "seed": seed, "kind": "shape",
-        "effects": [{"id": name, "kind": recipe.kind if recipe else "physics", "component": recipe.component if recipe else "environment", **size,
-                     "parameters": scene.effects[name]} for name in names],
+        "level": level,
+        "seed": seed,
+        "kind": "shape",
+        "effects": [
+            {
+                "id": name,
+                "kind": recipe.kind if recipe else "physics",
+                "component": recipe.component if recipe else "environment",
+                **size,
+                "parameters": scene.effects[name],
+            }
+            for name in names
+        ],
         "twins": list(SHAPE_HIDING.get(names[0], ())) if names and level == "L2" else [],
-        "near": list(recipe.near) if recipe else [], "identifiable": level not in ("L2", "L3"), "where": _where(scene, names),
-        "noise": {"sigma": sigma, "kind": "ar" if correlation else "white", "correlation": correlation}, "unit": "shape_mm",
+        "near": list(recipe.near) if recipe else [],
+        "identifiable": level not in ("L2", "L3"),
+        "where": _where(scene, names),
+        "noise": {"sigma": sigma, "kind": "ar" if correlation else "white", "correlation": correlation},
+        "unit": "shape_mm",
         "parameters": {"youngs_modulus_gpa": scene.modulus / 1e9, "natural_curvature_per_m": dict(scene.natural)},
         "configured": {"youngs_modulus_gpa": robot.joint.youngs_modulus / 1e9},
         "response": sealed_points,
@@ -452,14 +336,21 @@ def _record(rng: np.random.Generator, seed: int, level: str, names: list[str], s
 
 
 def _where(scene: Scene, names: list[str]) -> list[dict[str, object]]:
-    if not names or names[0] in SHAPE_OUTSIDE and names[0] != "kink":
+    if not names or (names[0] in SHAPE_OUTSIDE and names[0] != "kink"):
         return []
     values = scene.effects[names[0]]
-    tube = _of(scene.robot, scene.runs[0])[0]
+    tube = tubes_of(scene.robot, scene.runs[0])[0]
     if names[0] in ("local_stiffness_defect", "kink"):
         cell = int(values["at_share"] * tube.count)
         low = cell * tube.pitch * 1e3
-        return [{"axis": "arc_length", "value": None, "low": low, "high": low + values.get("pitches", 1.0) * tube.pitch * 1e3}]
+        return [
+            {
+                "axis": "arc_length",
+                "value": None,
+                "low": low,
+                "high": low + values.get("pitches", 1.0) * tube.pitch * 1e3,
+            }
+        ]
     if names[0] in ("notch_depth_error", "precurvature_gradient"):
         return [{"axis": "run", "value": tube.name, "low": None, "high": None}]
     return [{"axis": "arc_length", "value": None, "low": None, "high": None}]

@@ -5,11 +5,14 @@ import sys
 
 import numpy as np
 import pytest
-from examples.concealed.case import LEVELS, Played, draw_world, make_case, play_protocol
+
+from examples.concealed.case import make_case
 from examples.concealed.design import Joint, Tube, config_text
+from examples.concealed.draw import LEVELS, draw_world
 from examples.concealed.mechanism import simulate
 from examples.concealed.recipes import JOINT_EFFECTS, OUTSIDE, RECIPES
 from examples.concealed.refit import refit, surviving
+from examples.concealed.world import Played, play_protocol
 
 MM = 1e-3
 OT4 = Tube("OT4", 0.5 * MM, 0.4 * MM, 0.4 * MM, 0.3 * MM, 0.3 * MM, 188, 1.1)
@@ -17,7 +20,9 @@ MT1 = Tube("MT1", 0.36 * MM, 0.28 * MM, 0.243 * MM, 0.3 * MM, 0.3 * MM, 125, 2.0
 S4 = Joint(OT4, MT1, 42.6e9, 0.2965, np.pi, 1.0063, 1.2 * MM, 0.038 * MM, 53.965e9, 388.68 * MM)
 
 
-@pytest.mark.parametrize(("curvature", "length", "stroke"), [(20, 20, 2.6001), (40, 20, 4.0002), (20, 40, 2.9955), (40, 40, 4.7913)])
+@pytest.mark.parametrize(
+    ("curvature", "length", "stroke"), [(20, 20, 2.6001), (40, 20, 4.0002), (20, 40, 2.9955), (40, 40, 4.7913)]
+)
 def test_base_model_gives_the_reference_strokes(curvature, length, stroke):
     found, _ = S4.stroke(np.array(float(curvature)), length * MM)
     assert found * 1e3 == pytest.approx(stroke, abs=6e-5)
@@ -103,7 +108,10 @@ def test_every_level_makes_cases(level):
 
 
 LOOPS = {
-    "capstan_hysteresis": [{"log_ratio": 0.2, "law": law, "pulleys": 5, "far_share": 0.2, "presliding_um": 1.0} for law in ("front", "dahl", "maxwell")],
+    "capstan_hysteresis": [
+        {"log_ratio": 0.2, "law": law, "pulleys": 5, "far_share": 0.2, "presliding_um": 1.0}
+        for law in ("front", "dahl", "maxwell")
+    ],
     "coulomb_friction": [{"moment_n_mm": 0.005, "spread": 0.2}],
     "distributed_notch_friction": [{"friction": 0.4}],
 }

@@ -33,8 +33,11 @@ def test_no_module_of_the_rig_imports_the_library():
 
 def test_making_cases_loads_nothing_of_the_library():
     code = (
-        "import sys; from examples.concealed.seal import build; build(('joint', 3, None, None)); build(('shape', 3, 'L0', None));"
+        "import sys; from examples.concealed.seal import build;"
+        "build(('joint', 3, None, None)); build(('shape', 3, 'L0', None));"
         "sys.exit(any(name.split('.')[0] == 'coast_cli' for name in sys.modules))"
     )
-    done = subprocess.run([sys.executable, "-c", code], cwd=PACKAGE.parents[1], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=PACKAGE.parents[1], capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, done.stderr

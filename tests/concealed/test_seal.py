@@ -6,8 +6,9 @@ import json
 
 import numpy as np
 import pytest
+
 from examples.concealed.case import make_case
-from examples.concealed.seal import SEALED, BrokenSeal, build_all, unseal, write
+from examples.concealed.seal import SEALED, BrokenSealError, build_all, unseal, write
 
 SEEDS = range(9000, 9100)
 
@@ -32,7 +33,7 @@ def test_a_changed_truth_breaks_the_seal(tmp_path):
     (name,) = truths
     truths[name]["level"] = "L0"
     (tmp_path / SEALED).write_text(json.dumps(truths))
-    with pytest.raises(BrokenSeal):
+    with pytest.raises(BrokenSealError):
         unseal(tmp_path, digest)
 
 
@@ -49,9 +50,19 @@ def metadata(case):
     cells = [cell for row in rows[1:] for cell in row]
     decimals = [len(cell.partition(".")[2]) for cell in cells if "." in cell]
     return [
-        len(names), sum(map(len, names)), len(rows), len(rows[0]), np.mean(decimals), np.std(decimals),
-        np.mean([len(cell) for cell in cells]), len({row[0] for row in rows[1:]}), len(rows[1][0]),
-        np.mean([cell == "" for cell in cells]), sum(map(len, texts)), len(case.config_text), case.config_text.count("{ value"),
+        len(names),
+        sum(map(len, names)),
+        len(rows),
+        len(rows[0]),
+        np.mean(decimals),
+        np.std(decimals),
+        np.mean([len(cell) for cell in cells]),
+        len({row[0] for row in rows[1:]}),
+        len(rows[1][0]),
+        np.mean([cell == "" for cell in cells]),
+        sum(map(len, texts)),
+        len(case.config_text),
+        case.config_text.count("{ value"),
     ]
 
 
@@ -83,7 +94,7 @@ def test_the_classifier_would_see_a_leak(cases):
     assert nearest_centroid_accuracy(features, labels) > 0.8
 
 
-def test_order_of_case_names_carries_no_level(tmp_path, cases):
+def test_order_of_case_names_carries_no_level(cases):
     from examples.concealed.seal import case_id
 
     order = np.argsort([case_id(seed, "joint") for seed in SEEDS])

@@ -2,9 +2,12 @@
 
 import numpy as np
 import pytest
+
 from examples.concealed.design import Tube, ring, sector
 from examples.concealed.shape_beam import Strand, solve
-from examples.concealed.shape_case import SHAPE_LEVELS, SHAPE_RECIPES, chord_moments, make_shape_case
+from examples.concealed.shape_case import SHAPE_LEVELS, make_shape_case
+from examples.concealed.shape_recipes import SHAPE_RECIPES
+from examples.concealed.shape_scene import chord_moments
 
 MM = 1e-3
 TUBE = Tube("T", 0.4 * MM, 0.33 * MM, 0.35 * MM, 0.3 * MM, 0.3 * MM, 188, 5.0)

@@ -1,0 +1,282 @@
+"""Draw a robot, a protocol and what is left out from a seed, and scale it to stand where its level wants it.
+
+An effect's size is the RMS that survives a refit of the base model, in noise widths.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from examples.concealed.camera import draw_noise
+from examples.concealed.design import Robot, draw_robot
+from examples.concealed.protocol import Needs, Protocol, draw_protocol
+from examples.concealed.recipes import JOINT_EFFECTS, OUTSIDE, RECIPES, TWINS, Context
+from examples.concealed.refit import surviving
+from examples.concealed.world import World, play_protocol
+
+LEVELS = {"L0": 0.22, "LP": 0.06, "L1": 0.34, "L2": 0.09, "L3": 0.06, "L4": 0.08, "L5": 0.07, "L6": 0.08}
+NEUTRAL = {"stiffness_ratio": 1.0, "scale": 1.0, "compliance_ratio": 1.0}
+NOISE_RANGE = {"curvature": (0.05, 0.5), "bend": (0.1, 0.6), "notch": (0.1, 0.6)}
+
+
+def draw_world(
+    seed: int, level: str | None = None, effect: str | None = None
+) -> tuple[World, str, list[str], dict[str, float]]:
+    """Robot, protocol, effects, noise of a seed; the effects' names, main one first; their sizes in noise widths."""
+    rng = np.random.default_rng([seed, 20230714])
+    if level is None:
+        level = (
+            "L1"
+            if effect in JOINT_EFFECTS
+            else "L6"
+            if effect in OUTSIDE
+            else str(rng.choice(list(LEVELS), p=list(LEVELS.values())))
+        )
+    for attempt in range(42):
+        # The same effect is tried with many protocols before another is taken, so that none is rarer for being harder to show.
+        names = _choose_effects(np.random.default_rng([seed, 78, attempt // 14]), level, effect)
+        found = _try_world(np.random.default_rng([seed, 77, attempt]), seed, level, names)
+        if found is not None:
+            return found[0], level, found[1], found[2]
+    raise RuntimeError(f"seed {seed}: no protocol shows {effect} at {level}")
+
+
+def _choose_effects(rng: np.random.Generator, level: str, effect: str | None) -> list[str]:
+    catalogue = list(JOINT_EFFECTS)
+    if level in ("L0", "LP"):
+        return []
+    if level == "L4":
+        first = effect or str(rng.choice(catalogue))
+        others = [name for name in catalogue if name != first and name not in TWINS.get(first, ())]
+        return [first, str(rng.choice(others))]
+    if level == "L5":
+        return [
+            effect
+            or str(
+                rng.choice(
+                    [
+                        "sensor_lag",
+                        "camera_scale",
+                        "camera_offset",
+                        "sensor_lag",
+                        "capstan_hysteresis",
+                        "tendon_creep",
+                        "thermal_drift",
+                        "tendon_permanent_set",
+                        "coulomb_friction",
+                    ]
+                )
+            )
+        ]
+    if level == "L6":
+        return [effect or str(rng.choice(list(OUTSIDE)))]
+    if level == "L2":
+        return [effect or str(rng.choice([name for name in catalogue if name in HIDING]))]
+    # A camera's scale is a stiffness to every recording of curvature alone: levels L2 and L5 hold it.
+    return [effect or str(rng.choice([name for name in catalogue if name != "camera_scale"]))]
+
+
+def _loading_only(p: Protocol) -> bool:
+    return p.kinds() == {"load"}
+
+
+def _one_length(p: Protocol) -> bool:
+    return p.lengths == 1
+
+
+def _held_out(rng: np.random.Generator, protocol: Protocol, needs: Sequence[Needs]) -> int | None:
+    """Return a run without which the recording still shows what it showed; none when there are fewer than three."""
+    if len(protocol.runs) < 3:
+        return None
+    for run in rng.permutation(len(protocol.runs)):
+        if all(need(protocol.without(int(run))) for need in needs):
+            return int(run)
+    return None
+
+
+# Protocols in which the base model's own parameters absorb the effect, or nothing can show it.
+HIDING: dict[str, Needs] = {
+    "capstan_hysteresis": _loading_only,
+    "coulomb_friction": _loading_only,
+    "backlash": _loading_only,
+    "tendon_permanent_set": _loading_only,
+    "sensor_lag": lambda p: _loading_only(p) and p.has_time,
+    "thermal_drift": _loading_only,
+    "tendon_creep": _loading_only,
+    "tendon_superelasticity": lambda p: _one_length(p) and not p.has_tension,
+    "tube_superelasticity": lambda p: _one_length(p) and not p.has_tension and p.response != "notch",
+    "precurvature": lambda p: not p.slack_start and p.response != "notch",
+    "camera_offset": lambda p: not p.slack_start and p.response != "notch",
+    "camera_scale": _one_length,
+    "bending_length_offset": _one_length,
+    "tip_load": lambda p: _one_length(p) and p.response != "notch",
+    "gravity": _one_length,
+}
+
+
+def _try_world(
+    rng: np.random.Generator, seed: int, level: str, names: list[str]
+) -> tuple[World, list[str], dict[str, float]] | None:
+    donors = names or [str(rng.choice(list(JOINT_EFFECTS)))]
+    wrist = all(RECIPES[name].wrist for name in donors) and rng.random() < min(RECIPES[name].wrist for name in donors)
+    robot = draw_robot(rng, wrist=wrist)
+    needs = [HIDING[names[0]]] if level == "L2" else [RECIPES[name].needs for name in donors]
+    length = robot.middles[0].count * robot.middles[0].pitch if wrist else None
+    for _ in range(300):
+        protocol = draw_protocol(rng, len(robot.outers), len(robot.middles), wrist=length)
+        held_out = _held_out(rng, protocol, needs)
+        if all(need(protocol) for need in needs) and (held_out is not None or len(protocol.runs) < 3):
+            break
+    else:
+        return None
+    if protocol.slack_start and not wrist and robot.joint.deadband < 0.3e-3:
+        robot = replace(robot, joint=replace(robot.joint, deadband=round(rng.uniform(0.3, 1.6), 2) * 1e-3))
+    actual = _actual(rng, robot, level)
+    curvature = _largest_curvature(rng, actual, protocol, wrist=wrist)
+    noise = draw_noise(rng)
+    low, high = NOISE_RANGE[protocol.response]
+    sigma = float(np.exp(rng.uniform(np.log(low), np.log(high))))
+    world = World(robot, actual, {}, noise, sigma, curvature, protocol, [seed, int(rng.integers(2**31))], held_out)
+    if not names:
+        return world, names, {}
+    context = _context(actual, protocol, curvature)
+    world.effects = {name: RECIPES[name].draw(rng, context) for name in names}
+    if level == "L2":
+        return world, names, _sizes(world, names)
+    wanted = {"L3": (0.5, 3.0), "L4": (8.0, 30.0)}.get(level, (3.0, 40.0))
+    target = float(np.exp(rng.uniform(np.log(wanted[0]), np.log(wanted[1]))))
+    return _scale(world, names, target, wanted[0], float(rng.uniform(1.0, 4.0)))
+
+
+def _scale(
+    world: World,
+    names: list[str],
+    target: float,
+    least: float,
+    second: float,
+) -> tuple[World, list[str], dict[str, float]] | None:
+    """Set noise level and amplitude so that the main effect stands `target` noise widths above the refitted base."""
+    low, high = NOISE_RANGE[world.protocol.response]
+    full = _full_scale(world)
+    for _ in range(4):
+        everything = world.effects
+        world.effects = {names[0]: everything[names[0]]}
+        size = _sizes(world, names[:1])[names[0]] * world.sigma
+        world.effects = everything
+        if not np.isfinite(size) or size <= 0:
+            return None
+        # An effect is a modest share of the range: a large multiple asks for a quiet camera, not a huge effect.
+        world.sigma = float(np.clip(min(world.sigma, 0.08 * full / target), low, high))
+        ratio = target * world.sigma / size
+        if 0.9 < ratio < 1.12:
+            break
+        if not _amplify(world, names[0], ratio):
+            world.sigma = float(np.clip(size / target, low, world.sigma))
+            break
+    if len(names) == 2:
+        for _ in range(3):
+            size = _sizes(world, names)[names[1]]
+            if not np.isfinite(size) or size <= 0:
+                return None
+            if 0.85 < second / size < 1.2 or not _amplify(world, names[1], second / size):
+                break
+    sizes = _sizes(world, names)
+    worst = min(0.8 * least, RECIPES[names[0]].floor * (2.0 if len(names) == 2 else 1.0))
+    if sizes[names[0]] < worst or (len(names) == 2 and not 0.6 < sizes[names[1]] < 6):
+        return None
+    return world, names, sizes
+
+
+def _full_scale(world: World) -> float:
+    """Largest response of the base model, in the recording's unit."""
+    return float(play_protocol(world.actual, world.protocol, {}, world.curvature, world.streams).response.max())
+
+
+def _amplify(world: World, name: str, ratio: float) -> bool:
+    """Scale an effect's amplitude within its physical limits; false when it did not move."""
+    recipe, parameters = RECIPES[name], world.effects[name]
+    key = recipe.amplitude
+    neutral, before = NEUTRAL.get(key, 0.0), float(parameters[key])  # type: ignore[arg-type]
+    value = neutral + (before - neutral) * ratio
+    low, high = recipe.limits
+    if name == "thermal_drift":
+        high = 0.4 if parameters["acts_on"] == "stiffness" else 20.0
+    if name == "clock_drop":
+        value = float(round(value))
+    value = float(np.clip(value, low, high)) if neutral else float(np.sign(value) * np.clip(abs(value), low, high))
+    parameters[key] = value
+    return abs(value - before) > 0.02 * abs(before - neutral)
+
+
+def _sizes(world: World, names: list[str]) -> dict[str, float]:
+    """RMS of each effect that survives a refit of the base model, in noise widths."""
+    played = play_protocol(world.actual, world.protocol, world.effects, world.curvature, world.streams)
+    clean = play_protocol(world.actual, world.protocol, {}, world.curvature, world.streams).response
+    if len(names) == 1:
+        return {names[0]: surviving(played.rows, played.response) / world.sigma}
+    out = {}
+    for name in names:
+        others = {key: value for key, value in world.effects.items() if key != name}
+        without = play_protocol(world.actual, world.protocol, others, world.curvature, world.streams).response
+        out[name] = surviving(played.rows, clean + played.response - without) / world.sigma
+    return out
+
+
+def _actual(rng: np.random.Generator, robot: Robot, level: str) -> Robot:
+    """Return the robot as it is: off its nominal numbers by calibration error, or (LP) by much more."""
+    joint = robot.joint
+    driven = joint.tendon_radius > 0
+    if level != "LP" and rng.random() < 0.2:
+        return robot
+    modulus = joint.youngs_modulus * (1 + np.clip(rng.normal(0, 0.03), -0.08, 0.08))
+    friction = joint.pulley_friction * (1 + np.clip(rng.normal(0, 0.05), -0.15, 0.15))
+    eta = max(joint.notch_friction + rng.normal(0, 0.0005), 1.0) if driven else 1.0
+    deadband = max(joint.deadband + rng.normal(0, 0.03e-3), 0.0) if driven else 0.0
+    if level == "LP":
+        which = rng.permutation(["modulus", "eta", "deadband"] if driven else ["modulus"])[: int(rng.integers(1, 3))]
+        if "modulus" in which:
+            modulus = joint.youngs_modulus * float(rng.choice([rng.uniform(0.6, 0.85), rng.uniform(1.15, 1.5)]))
+        if "eta" in which:
+            eta = joint.notch_friction + rng.uniform(0.003, 0.007)
+        if "deadband" in which:
+            deadband = joint.deadband + rng.uniform(0.12, 0.5) * 1e-3 * (
+                1 if joint.deadband < 0.6e-3 else rng.choice([-1, 1])
+            )
+    return replace(
+        robot,
+        joint=replace(joint, youngs_modulus=modulus, pulley_friction=friction, notch_friction=eta, deadband=deadband),
+    )
+
+
+def _largest_curvature(rng: np.random.Generator, actual: Robot, protocol: Protocol, *, wrist: bool) -> float:
+    """Return a largest curvature (1/m) that keeps tendon strain and notch bend believable."""
+    if wrist:
+        return float(np.radians(rng.uniform(6, 22)) / actual.joint.middle.pitch)
+    curvature = rng.uniform(10, 45)
+    for plan in protocol.runs:
+        joint = actual.pair(plan.outer, plan.middle)
+        strain = (
+            float(joint.stroke(np.array(curvature), plan.length)[1]) * joint.tendon_compliance / joint.tendon_length
+        )
+        curvature *= min(1.0, 0.013 / strain)
+        curvature = min(curvature, 2.3 / plan.length)
+    return float(curvature)
+
+
+def _context(actual: Robot, protocol: Protocol, curvature: float) -> Context:
+    plans = protocol.runs
+    joints = [actual.pair(plan.outer, plan.middle) for plan in plans]
+    tops = [joint.stroke(np.array(curvature), plan.length) for joint, plan in zip(joints, plans, strict=True)]
+    span = float(np.median([float(stroke) - joint.deadband for (stroke, _), joint in zip(tops, joints, strict=True)]))
+    return Context(
+        joints[0],
+        curvature,
+        float(np.median([float(tension) for _, tension in tops])),
+        max(span, 1e-6) * 1e3,
+        float(np.median([plan.time[-1] for plan in plans])),
+        protocol.dt,
+        protocol.response == "bend",
+    )

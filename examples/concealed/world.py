@@ -1,0 +1,110 @@
+"""One robot with one thing left out, and the noiseless playback of a whole protocol on it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from examples.concealed.camera import observe
+from examples.concealed.design import Joint, Robot
+from examples.concealed.mechanism import Effects, simulate
+from examples.concealed.protocol import Protocol, RunPlan
+from examples.concealed.refit import Rows
+
+Array = NDArray[np.float64]
+
+
+@dataclass
+class World:
+    """Everything that stays the same when a case is recorded again with another protocol."""
+
+    robot: Robot
+    actual: Robot
+    effects: dict[str, dict[str, object]]
+    noise: dict[str, object]
+    sigma: float
+    curvature: float
+    protocol: Protocol
+    streams: list[int] = field(default_factory=list)
+    held_out: int | None = None
+
+
+@dataclass(frozen=True)
+class Played:
+    """Noiseless rows of all runs."""
+
+    rows: Rows
+    time: Array
+    tension: Array
+    response: Array
+
+
+def drive_range(joint: Joint, plan: RunPlan, curvature: float, protocol: Protocol, slack: float) -> tuple[float, float]:
+    """Smallest and largest drive of a run (m, or N without a tendon)."""
+    top, tension = joint.stroke(np.array(curvature), plan.length)
+    if joint.tendon_radius == 0:
+        return 0.02 * float(tension), float(tension)
+    span = float(top) - joint.deadband
+    low = joint.deadband - slack * span if protocol.slack_start else joint.deadband + slack * span / 2
+    return max(low, 0.0), float(top)
+
+
+def play_protocol(actual: Robot, protocol: Protocol, effects: Effects, curvature: float, seed: Sequence[int]) -> Played:
+    """Return the noiseless recording of every run; the same seed gives the same notches whatever the effects are."""
+    joints, index, drives, lengths, times, tensions, responses = [], [], [], [], [], [], []
+    for number, plan in enumerate(protocol.runs):
+        rng = np.random.default_rng([*seed, number])
+        joint = actual.pair(plan.outer, plan.middle)
+        share = rng.uniform(0.82, 1.0)
+        low, high = drive_range(joint, plan, curvature * share, protocol, rng.uniform(0.04, 0.2))
+        drive = low + (high - low) * plan.fraction
+        notch_rng = np.random.default_rng([*seed, 1000 + number])
+        if effects:
+            trace = simulate(
+                joint, plan.length, drive, plan.time, effects, notch_rng, largest=curvature, density=actual.density
+            )
+            response = observe(
+                trace.theta, trace.weight, trace.length, plan.time, plan.length, protocol.response, effects
+            )
+            tension = trace.tension
+            response, tension = response[plan.recorded], tension[plan.recorded]
+            if drop := effects.get("clock_drop"):
+                response = dropped_clock(response, float(drop["at_share"]), int(drop["frames"]))  # type: ignore[arg-type]
+        else:
+            response, tension = clean_response(joint, plan, drive[plan.recorded], protocol.response)
+        joints.append(joint)
+        index.append(np.full(plan.recorded.size, number))
+        drives.append(drive[plan.recorded])
+        lengths.append(np.full(plan.recorded.size, plan.length))
+        times.append(plan.time[plan.recorded])
+        tensions.append(tension)
+        responses.append(response)
+    rows = Rows(
+        tuple(joints), np.concatenate(index), np.concatenate(drives), np.concatenate(lengths), protocol.response
+    )
+    return Played(rows, np.concatenate(times), np.concatenate(tensions), np.concatenate(responses))
+
+
+def clean_response(joint: Joint, plan: RunPlan, drive: Array, kind: str) -> tuple[Array, Array]:
+    """Return the base model itself, the same in load and release."""
+    if joint.tendon_radius == 0:
+        kappa, tension = np.maximum(drive, 0) * joint.arm / (joint.gain(plan.length) * joint.rigidity), drive
+    else:
+        kappa = joint.curvature(drive, plan.length)
+        tension = joint.stroke(kappa, plan.length)[1]
+    if kind == "curvature":
+        return kappa[:, None], tension
+    if kind == "bend":
+        return np.degrees(kappa * plan.length)[:, None], tension
+    return np.degrees(np.repeat(kappa[:, None] * joint.middle.pitch, joint.middle.count, axis=1)), tension
+
+
+def dropped_clock(response: Array, at_share: float, frames: int) -> Array:
+    """Frames lost by the recorder: from there on each row holds an earlier frame."""
+    start = int(at_share * len(response))
+    take = np.arange(len(response))
+    take[start:] = np.maximum(take[start:] - frames, start - 1)
+    return response[take]
