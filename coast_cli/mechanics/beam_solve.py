@@ -21,7 +21,7 @@ LAST_CHANGE = 1e-7  # rad; a last correction this small is applied to first orde
 CLAMP_TOLERANCE = 1e-10  # rad
 _MOST_STEPS = 30
 _SAME_EQUILIBRIUM = 0.3  # rad between the coarse and the full beam
-_TANGENT_ERROR, _ROUNDING = 1e-5, 1e-15  # relative error of the carried tangent; of the angle, rad
+TANGENT_ERROR, ROUNDING = 1e-5, 1e-15  # relative error of the carried tangent; of the angle, rad
 _TOGETHER = 2048  # beams whose rows stay in the processor's cache
 
 
@@ -120,7 +120,7 @@ def _newton(
         ready = ~(np.abs(change) > LAST_CHANGE) | (step == _MOST_STEPS)
         done = np.flatnonzero(ready)
         _record(tip, change, trace, ends, done, result, columns[done])
-        residual = np.abs(slope) * (_TANGENT_ERROR * np.abs(change) + _ROUNDING)
+        residual = np.abs(slope) * (TANGENT_ERROR * np.abs(change) + ROUNDING)
         result.residual[columns], result.steps[columns] = residual, step
         result.converged[columns] = residual <= CLAMP_TOLERANCE
         if done.size == ready.size:

@@ -1,8 +1,8 @@
 """Where to start: the tip angle of a coarse homogenised beam, and what is known about other equilibria.
 
 Below a load number of 1 there is one equilibrium, and a bracketed Newton method finds it from anywhere. Above, a survey
-over the tip's angle counts the equilibria while the load is grown from zero, in 4 steps, or in 16 where the tip moves
-far; where that is not smooth either, the path is followed by arc length.
+over the tip's angle counts the equilibria while the load is grown from zero in 8 steps; where that is not smooth, the
+path is followed by arc length.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ from coast_cli.mechanics.roots import increasing_root
 from coast_cli.mechanics.section import FloatArray
 
 COARSE_CELLS = 12
-COARSE_TURN = 0.6  # rad a step at most: it then errs by 1e-5 of its length
+COARSE_TURN = 1.0  # rad a step at most, by a bound that is twice too large: it then errs by 1e-5 of its length
 SOFTEST = 100.0  # load number past which a beam hangs like a string and its tip no longer tells its clamp
-_SURELY_ONE = 0.95  # load number; the coarse beam knows it to a few per cent
-_NUMBERS = (_SURELY_ONE, 2.0, 4.0, 8.0, 16.0, 32.0, SOFTEST)  # beams of like softness are cut alike
-_SURVEY, _FINE_SURVEY = np.linspace(-1.0, 1.0, 17), np.linspace(-1.0, 1.0, 129)
+SURELY_ONE = 0.95  # load number; the coarse beam knows it to a few per cent
+_NUMBERS = (SURELY_ONE, 2.0, 4.0, 8.0, 16.0, 32.0, SOFTEST)  # beams of like softness are cut alike
+SURVEY, _FINE_SURVEY = np.linspace(-1.0, 1.0, 17), np.linspace(-1.0, 1.0, 129)
 _FURTHEST_TURN = 4.0 * np.pi  # rad, searched for other equilibria
-_SHARES = np.linspace(1.0, 0.0, 16, endpoint=False) ** 2  # of the load, closer at first, where the tip moves fastest
-_LEAST_SLOPE = 0.1  # of the clamp's angle by the tip's; zero at a fold
-_SMOOTH = 0.4  # rad by which a step of the load may miss its prediction
+SHARES = np.linspace(0.125, 1.0, 8) ** 2  # of the load, closer at first, where the tip moves fastest
+LEAST_SLOPE = 0.1  # of the clamp's angle by the tip's; zero at a fold
+SMOOTH = 0.4  # rad by which a step of the load may miss its prediction
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +65,7 @@ def find_start(problem: BeamProblem) -> Start:
         equilibria=np.ones(coarse.count, dtype=np.int64),
         turned_at=np.ones(coarse.count),
     )
-    light = np.flatnonzero(number < _SURELY_ONE)
+    light = np.flatnonzero(number < SURELY_ONE)
     _solve_light(coarse, light, start)
     for low, high in pairwise(_NUMBERS):
         _solve_heavy(coarse, np.flatnonzero((number >= low) & (number < high)), start)
@@ -85,15 +85,12 @@ def _solve_heavy(coarse: BeamProblem, heavy: NDArray[np.int64], start: Start) ->
     if heavy.size == 0:
         return
     beams = _resolved(coarse.picked(heavy))
-    tip, found = _grown(beams, _SHARES[::4])
-    slower = np.flatnonzero(~found)
-    if slower.size > 0:
-        tip[slower], found[slower] = _grown(beams.picked(slower), _SHARES)
+    tip, found = _grown(beams)
     winding = np.flatnonzero(~found)
     if winding.size > 0:
         path = follow(beams.picked(winding))
         tip[winding], found[winding], start.turned_at[heavy[winding]] = path.tip_angle, path.arrived, path.turned_at
-    several = np.flatnonzero(~_survey(beams, _SURVEY)[0])
+    several = np.flatnonzero(~_survey(beams, SURVEY)[0])
     if several.size > 0:
         start.equilibria[heavy[several]] = _survey(beams.picked(several), _FINE_SURVEY)[1]
     _finish(start, beams, heavy, tip, found)
@@ -130,12 +127,12 @@ def _survey(problem: BeamProblem, grid: FloatArray) -> tuple[NDArray[np.bool_], 
     return np.all(increases | (far & same_side), axis=0) & (crossings == 1), np.maximum(crossings, 1)
 
 
-def _grown(problem: BeamProblem, shares: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
+def _grown(problem: BeamProblem) -> tuple[FloatArray, NDArray[np.bool_]]:
     """Grow the load in few steps; smooth where every step landed near its prediction and no fold was near."""
     before, tip = problem.unloaded_tip_angle, problem.unloaded_tip_angle
     smooth = np.ones(problem.count, dtype=bool)
     last, now = -1.0, 0.0
-    for share in shares[::-1]:
+    for share in SHARES.tolist():
         predicted = tip + (tip - before) * (share - now) / (now - last)
         last, now = now, share
         before, tip = tip, predicted
@@ -144,10 +141,10 @@ def _grown(problem: BeamProblem, shares: FloatArray) -> tuple[FloatArray, NDArra
         enough = 1e-4 if share == 1.0 else 0.03
         for _ in range(4):
             error, slope = clamp_error(beams, tip)
-            smooth &= slope > _LEAST_SLOPE
-            change = error / np.where(slope > _LEAST_SLOPE, slope, 1.0)
+            smooth &= slope > LEAST_SLOPE
+            change = error / np.where(slope > LEAST_SLOPE, slope, 1.0)
             tip = tip - change
             if np.all(np.abs(change) < enough):
                 break
-        smooth &= (np.abs(change) < 10.0 * enough) & (np.abs(tip - predicted) < _SMOOTH)
+        smooth &= (np.abs(change) < 10.0 * enough) & (np.abs(tip - predicted) < SMOOTH)
     return tip, smooth
