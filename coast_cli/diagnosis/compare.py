@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 POOLED = "all"
+MOST_FOR_NOISE, FEWEST_FOR_NOISE = 40_000, 400  # samples over all runs, and in one
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +46,7 @@ class JointErrors:
     def curvature(self) -> Floats:
         """Difference in the curvature of the whole segment, 1/m, of the samples with a whole response."""
         whole = self.run.valid
-        total = self.difference[whole].sum(axis=1)
+        total: Floats = self.difference[whole].sum(axis=1)
         return total if self.run.kind == "curvature" else total / self.run.bending_length[whole]
 
 
@@ -58,7 +59,8 @@ class Comparison:
 
     def rows(self) -> list[dict[str, str | float | int | None]]:
         """Return a row for each run and, last, one for all of them together."""
-        rows = [_row(one.run.name, [one], (), run_noise(one.run).level) for one in self.joint]
+        most = max(FEWEST_FOR_NOISE, MOST_FOR_NOISE // max(len(self.joint), 1))
+        rows = [_row(one.run.name, [one], (), run_noise(one.run, most_samples=most).level) for one in self.joint]
         rows += [_row(one.run.name, (), [one], _shape_noise([one])) for one in self.shape]
         return [*rows, _row(POOLED, self.joint, self.shape, self._noise())]
 
@@ -133,8 +135,3 @@ def _rms(parts: Sequence[Floats], unit: float = 1.0) -> float | None:
     """Return the root mean square of all finite values, in a unit; None where there are none."""
     values = np.concatenate([part[np.isfinite(part)].ravel() for part in parts]) if parts else np.zeros(0)
     return float(np.sqrt(np.mean(values**2))) / unit if values.size else None
-
-
-def summary_of(rows: Sequence[Mapping[str, str | float | int | None]]) -> Mapping[str, str | float | int | None]:
-    """Return the pooled row."""
-    return next(row for row in rows if row["run"] == POOLED)

@@ -177,9 +177,9 @@ def screen(
             if size < 1e-12 * max(1.0, float(residual @ residual)):
                 continue
             amount = float(change @ left) / size
-            gain = float(change @ left) ** 2 / size if amount > 0.0 else 0.0
+            gain = float(change @ left) ** 2 / size if amount > 0.0 or _signed(candidate) else 0.0
             if best is None or gain > best[0]:
-                best = gain, _scaled(start, amount)
+                best = gain, _scaled(start, float(np.copysign(np.clip(abs(amount), 0.1, 4.0), amount if gain else 1.0)))
         if best is not None:
             found.append(best)
     found.sort(key=lambda pair: -pair[0])
@@ -221,29 +221,19 @@ def _directions(
 
 
 def _scaled(effect: Effect, amount: float) -> Effect:
-    """Move the effect's leading amplitude (its first parameter with a null of its own) by the linear estimate."""
+    """Move the sizes of an effect by the linear estimate, inside their ranges."""
+    changes = {}
     for parameter in effect.parameters:
-        value = getattr(effect, parameter.name)
-        if parameter.name == _amplitude(type(effect)).name:
-            wanted = parameter.null + (value - parameter.null) * float(np.clip(amount, 0.1, 4.0))
-            span = parameter.high - parameter.low
-            inside = float(np.clip(wanted, parameter.low + 1e-6 * span, parameter.high - 1e-6 * span))
-            return replace(effect, **{parameter.name: inside})
-    return effect
+        if parameter.role == "size":
+            wanted = parameter.null + (getattr(effect, parameter.name) - parameter.null) * amount
+            margin = 1e-6 * (parameter.high - parameter.low)
+            changes[parameter.name] = float(np.clip(wanted, parameter.low + margin, parameter.high - margin))
+    return replace(effect, **changes)
 
 
-def _amplitude(effect: type[Effect]) -> Parameter:
-    """Return the parameter whose null makes the effect vanish."""
-    null = effect.null()
-    for parameter in effect.parameters:
-        other = replace(null, **{parameter.name: parameter.starts[-1]})
-        if other != null and parameter.null == getattr(null, parameter.name) and _vanishes(effect, parameter):
-            return parameter
-    return effect.parameters[0]
-
-
-def _vanishes(effect: type[Effect], parameter: Parameter) -> bool:
-    return parameter.name not in {"knee_n", "knee_strain", "closure_ratio", "curvature_per_m"} or len(effect.parameters) == 1
+def _signed(effect: type[Effect]) -> bool:
+    """Return whether every size may take either sign."""
+    return all(parameter.low < parameter.null for parameter in effect.parameters if parameter.role == "size")
 
 
 def _hypothesis(problem: Problem, fitted: Fit, scales: dict[Scale, float]) -> Hypothesis:

@@ -3,30 +3,47 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from statistics import NormalDist
+
+import numpy as np
 
 from coast_cli.effects.effect import Effect, Parameter, Segment
 from coast_cli.mechanics.section import FloatArray
 
+_LUMPS = 6
+_QUANTILES = np.array([NormalDist().inv_cdf((place + 0.5) / _LUMPS) for place in range(_LUMPS)])
+
 
 @dataclass(frozen=True)
 class CoulombFriction(Effect):
-    """Constant friction moment, given as the curvature that it can hold."""
+    """Constant friction moment, given as the curvature that it can hold; it may differ from place to place."""
 
     holds_per_m: float = 0.0
+    spread: float = 0.0
 
     id = "coulomb_friction"
     title = "constant friction between the tubes"
     component = "tubes"
     stage = "structure"
-    equation = "load: M = M_elastic + Mc; release: M = M_elastic - Mc, Mc = EI holds_per_m"
+    equation = "load: M = M_elastic + Mc; release: M = M_elastic - Mc, Mc = EI holds_per_m, log-normal along the segment"
     source = "Coulomb's law; friction of nested tubes: Lock and Dupont, ICRA 2011"
     parameters = (
         Parameter("holds_per_m", 0.0, 0.0, 30.0, (0.01, 0.04, 0.12), "a part of the curvature reached", "curvature"),
+        Parameter("spread", 0.0, 0.0, 1.0, (0.25,), "of ln Mc from notch to notch; burrs and fits vary", role="shape"),
     )
     needs = ("release",)
     reverses = True
     decided_by = "release sweeps from two strokes, small and large, with tension recorded: this loop keeps its width"
 
+    @property
+    def lumps(self) -> int:
+        """Parts of the segment that stick and slip by themselves."""
+        return _LUMPS if self.spread > 0.0 else 1
+
     def moment(self, moment: FloatArray, curvature: FloatArray, direction: int, segment: Segment) -> FloatArray:
         """Add the friction moment against the motion."""
-        return moment + direction * self.holds_per_m * segment.rigidity
+        part = np.ones(1)
+        if moment.shape[0] == _LUMPS and self.spread > 0.0:
+            part = np.exp(self.spread * _QUANTILES)
+            part = part / part.mean()
+        return moment + direction * self.holds_per_m * part[:, np.newaxis] * segment.rigidity

@@ -28,10 +28,11 @@ class Parameter:
 
     Attributes:
         name: field of the effect, unit in the suffix.
-        null: the value at which the effect vanishes (or any value, where another parameter's null does it).
+        null: the value at which the effect vanishes, or a usual value of a shape.
         low, high: range outside which the value is not believed.
         starts: values from which a fit is started, as given or, with ``relative_to``, times that scale of the data.
         source: where the range comes from.
+        role: "size" where the null makes the effect vanish, "shape" where it only says how it acts.
         relative_to: the largest of this in the recording is what ``starts`` are multiples of; empty for absolute.
     """
 
@@ -42,10 +43,11 @@ class Parameter:
     starts: tuple[float, ...]
     source: str
     relative_to: Scale = ""
+    role: Literal["size", "shape"] = "size"
 
 
 # Shared by the effects that bend the segment at rest: whether the stroke is zeroed on the straight or the rest shape.
-HOMED = Parameter("homed", 0.0, 0.0, 1.0, (0.0, 1.0), "0: zeroed once on a straight segment; 1: at rest before each run")
+HOMED = Parameter("homed", 0.0, 0.0, 1.0, (0.0, 1.0), "0: zeroed once on a straight segment; 1: at rest before each run", role="shape")
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,6 +105,11 @@ class Effect:
     def with_values(self, values: FloatArray) -> Self:
         """Return the effect with its parameters replaced, in declared order."""
         return replace(self, **{p.name: float(v) for p, v in zip(self.parameters, values, strict=True)})
+
+    @property
+    def lumps(self) -> int:
+        """Into how many parts that move by themselves the effect divides a segment of equal notches."""
+        return 1
 
     def joint(self, joint: Joint) -> Joint:
         """Change the joint itself (section, end effect), before anything else."""

@@ -26,8 +26,8 @@ class LeadscrewPitchError(Effect):
     equation = "x = X1 + sine sin(2 pi X1 / p) + cosine cos(2 pi X1 / p), p = 0.635 mm"
     source = "screw of 40 threads an inch; drunken-thread error, Slocum, Precision Machine Design (1992), sec. 10.8"
     parameters = (
-        Parameter("sine_mm", 0.0, -0.3, 0.3, (0.02,), "well under half a pitch"),
-        Parameter("cosine_mm", 0.0, -0.3, 0.3, (0.02,), "well under half a pitch"),
+        Parameter("sine_mm", 0.0, -0.3, 0.3, (0.02, 0.0), "well under half a pitch"),
+        Parameter("cosine_mm", 0.0, -0.3, 0.3, (0.02, 0.0), "well under half a pitch"),
     )
     needs = ("stroke",)
     decided_by = "a slow stroke sweep in steps of at most 0.05 mm over three turns of the screw"

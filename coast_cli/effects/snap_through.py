@@ -16,7 +16,7 @@ class SnapThrough(Effect):
 
     curvature_per_m: float = 1000.0
     drop: float = 0.0
-    width: float = 0.05
+    sharpness: float = 0.5
     back: float = 0.8
 
     id = "snap_through"
@@ -24,15 +24,15 @@ class SnapThrough(Effect):
     component = "tube pair"
     stage = "structure"
     equation = (
-        "M = EI (kappa - jump (1 + tanh((kappa - at)/(width kappa_s)))/2), jump = drop kappa_s, "
+        "M = EI (kappa - jump (1 + tanh((kappa - at)/width))/2), jump = drop kappa_s, width = sharpness jump/2, "
         "at = kappa_s on load, back kappa_s + jump on release"
     )
     source = "P, section on pair choice: snapping seen where the outer tube leads; two stable curvatures for one moment"
     parameters = (
-        Parameter("curvature_per_m", 1000.0, 0.5, 200.0, (0.2, 0.35, 0.5, 0.65, 0.8), "where it was seen", "curvature"),
+        Parameter("curvature_per_m", 1000.0, 0.5, 200.0, (0.2, 0.35, 0.5, 0.65, 0.8), "where it was seen", "curvature", role="shape"),
         Parameter("drop", 0.0, 0.0, 1.2, (0.15, 0.4), "share of the moment that is let go"),
-        Parameter("width", 0.05, 0.005, 0.15, (0.03,), "sharpness relative to the curvature"),
-        Parameter("back", 0.8, 0.1, 1.0, (0.9, 0.6), "moment at which it comes back over that at which it lets go"),
+        Parameter("sharpness", 0.5, 0.05, 0.9, (0.4,), "under 1 the moment falls while it lets go, as two stable states need", role="shape"),
+        Parameter("back", 0.8, 0.1, 1.0, (0.9, 0.6), "moment at which it comes back over that at which it lets go", role="shape"),
     )
     needs = ("outer",)
     reverses = True
@@ -44,5 +44,5 @@ class SnapThrough(Effect):
             return moment
         jump = self.drop * self.curvature_per_m
         at = self.curvature_per_m if direction > 0 else self.back * self.curvature_per_m + jump
-        gone = 0.5 * (1.0 + np.tanh((curvature - at) / (self.width * self.curvature_per_m)))
+        gone = 0.5 * (1.0 + np.tanh((curvature - at) / (0.5 * self.sharpness * jump)))
         return moment - segment.rigidity * jump * gone

@@ -12,8 +12,6 @@ from coast_cli.mechanics.joint import Joint
 from coast_cli.mechanics.section import FloatArray, full_section
 from coast_cli.mechanics.tube import NotchedTube
 
-# Lumps that stand for many equal notches where friction makes the tension vary along them.
-_LUMPS = 12
 _TABLE = 385
 _OWN_BEND_SWEEPS = 3
 _NEGATIVE = 0.35  # tables reach this part of the limit on the negative side, for a bend against the tendon
@@ -74,7 +72,7 @@ def stations_for(
             pitch, cut, depth_axis = tube.pitch[chosen], tube.cut[chosen], tube.notch.neutral_axis[chosen]
             inertia = _series(tube)[chosen]
     else:
-        lumps = _LUMPS if any(effect.notch_friction()[0] for effect in effects) else 1
+        lumps = max((effect.lumps for effect in effects), default=1)
         chosen = slice(tube.count - 1, tube.count)
         count = np.full(lumps, length / joint.pitch / lumps)
         pitch, cut = np.full(lumps, joint.pitch), np.full(lumps, joint.cut)

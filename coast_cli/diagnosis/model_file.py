@@ -1,0 +1,83 @@
+"""The corrected model as a configuration that runs: refitted numbers in place, and a [corrections] table."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import tomli_w
+
+from coast_cli import __version__
+from coast_cli.diagnosis.problem import _CONFIG_KEYS as CONFIG_KEYS
+
+if TYPE_CHECKING:
+    from coast_cli.diagnosis.answer import Diagnosis
+    from coast_cli.recordings.model import Recordings
+    from coast_cli.spec.config import Config
+
+
+def model_text(config: Config, diagnosis: Diagnosis, recordings: Recordings, name: str = "<model>") -> str:
+    """Return the TOML of the corrected model; it has been read back once, so it loads.
+
+    Args:
+        config: the model that was diagnosed; its own corrections stay.
+        diagnosis: whose refitted parameters and effects go into it.
+        recordings: named with their SHA-256 in the comment at the top.
+        name: the file the text is for, in errors.
+
+    Raises:
+        BadInput: a fitted number lies outside what a configuration may hold.
+    """
+    from coast_cli.spec.load import load_config_text
+
+    document = config.model_dump(exclude_unset=True)
+    for parameter, value in diagnosis.model_parameters.items():
+        _put(document, CONFIG_KEYS.get(parameter, parameter), value)
+    found = {
+        effect.id: {p.name: float(getattr(effect, p.name)) for p in effect.parameters}
+        for effect in diagnosis.model_effects
+    }
+    corrections = {**config.corrections, **found}
+    if corrections:
+        document["corrections"] = corrections
+    text = "".join(f"# {line}\n" for line in _origin(config, diagnosis, recordings)) + "\n" + tomli_w.dumps(document)
+    load_config_text(text, name)
+    return text
+
+
+def _put(document: dict[str, Any], key: str, value: float) -> None:
+    """Replace a number by its dotted key; of ``{ value, min, max }`` the value moves and the bounds stay."""
+    *tables, last = key.split(".")
+    table: Any = document
+    for part in tables:
+        table = _step(table, part)
+    before = table.get(last)
+    if isinstance(before, Mapping):
+        table[last] = {**before, "value": min(max(value, before["min"]), before["max"])}
+    else:
+        table[last] = value
+
+
+def _step(table: Any, part: str) -> Any:  # noqa: ANN401
+    """Go one table down; a sample of a stock is found by its name."""
+    if isinstance(table, dict):
+        return table.setdefault(part, {})
+    return next(item for item in table if item["name"] == part)
+
+
+def _origin(config: Config, diagnosis: Diagnosis, recordings: Recordings) -> list[str]:
+    from coast_cli.spec.digest import config_digest
+
+    ids = ", ".join(effect.id for effect in diagnosis.model_effects) or "none"
+    lines = [
+        f"Written by coast diagnose, version {__version__}. Verdict: {diagnosis.verdict}; effects added: {ids}.",
+        f"Configuration {config.source or '<text>'}, sha256 {config_digest(config)}",
+        *(f"Recording {path}, sha256 {digest}" for path, digest in recordings.sources),
+    ]
+    fit = diagnosis.comparison
+    if fit is not None:
+        lines.append(f"Held out: {', '.join(fit.held_out_runs) or 'no whole run'} ({fit.rule}).")
+        for label, level in (("refitted", fit.refitted), ("with effects", fit.with_effects)):
+            held = "none" if level.held_out is None else f"{level.held_out:.6g}"
+            lines.append(f"RMS error {label}, {fit.unit}: train {level.train:.6g}, held out {held}.")
+    return ["".join(c if c.isprintable() else "?" for c in line) for line in lines]

@@ -1,0 +1,68 @@
+"""One diagnosis for whatever a call was given: joint recordings, shapes, or both with the joints first."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from coast_cli.errors import BadInput, nearest
+
+if TYPE_CHECKING:
+    from coast_cli.diagnosis.answer import Diagnosis
+    from coast_cli.recordings.model import JointRun, Recordings
+    from coast_cli.spec.config import Config
+
+
+def diagnose(
+    config: Config, recordings: Recordings, *, named_hold_out: Sequence[str] = (), most_effects: int = 5
+) -> tuple[Diagnosis, tuple[str, ...]]:
+    """Return the diagnosis of a call's recordings, and notes on what of them was not used.
+
+    Raises:
+        BadInput: joint runs of several kinds in one call, or a run to hold out does not exist.
+    """
+    _check_names(recordings, named_hold_out)
+    if recordings.joint is not None:
+        from coast_cli.diagnosis.diagnose import diagnose_joint
+
+        _check_one_kind(recordings.joint.runs)
+        notes = ("the shapes are not used: diagnose them in a call of their own.",) if recordings.shape else ()
+        runs = recordings.joint.runs
+        known = [name for name in named_hold_out if name in {run.name for run in runs}]
+        return diagnose_joint(config, runs, named_hold_out=known, most_effects=most_effects), notes
+    if recordings.shape is not None:
+        from coast_cli.diagnosis.shapes import diagnose_shapes
+
+        found: Diagnosis = diagnose_shapes(
+            config, recordings.shape.runs, named_hold_out=named_hold_out, most_effects=most_effects
+        )
+        return found, ()
+    raise BadInput("no recording given", allowed="one or more CSV files")
+
+
+def _check_names(recordings: Recordings, named: Sequence[str]) -> None:
+    for name in named:
+        if name not in recordings.run_names:
+            raise BadInput(
+                "there is no such run", key="--hold-out", found=name, allowed=", ".join(recordings.run_names),
+                hint=nearest(name, recordings.run_names) or None,
+            )  # fmt: skip
+
+
+def _check_one_kind(runs: Sequence[JointRun]) -> None:
+    """Refuse runs whose errors cannot be pooled: one response, of as many notches, and one drive."""
+    first = runs[0]
+    for run in runs[1:]:
+        if (run.kind, run.response.shape[1], run.stroke is None) != (
+            first.kind, first.response.shape[1], first.stroke is None,
+        ):  # fmt: skip
+            raise BadInput(
+                f"run {run.name!r} records another response or drive than {first.name!r}", file=run.source,
+                line=int(run.line[0]), found=_words(run), allowed=_words(first),
+                hint="Diagnose them in calls of their own.",
+            )  # fmt: skip
+
+
+def _words(run: JointRun) -> str:
+    notches = f" of {run.response.shape[1]} notches" if run.kind == "notch" else ""
+    return f"{run.kind}{notches} over {'tension' if run.stroke is None else 'stroke'}"
