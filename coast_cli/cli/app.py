@@ -17,6 +17,7 @@ COMMANDS = {
     "check": "coast_cli.cli.check:check",
     "trace": "coast_cli.cli.trace:trace",
     "compare": "coast_cli.cli.compare:compare",
+    "diagnose": "coast_cli.cli.diagnose:diagnose",
     "validate": "coast_cli.cli.validate:validate",
     "init": "coast_cli.cli.init:init",
     "schema": "coast_cli.cli.schema:schema",

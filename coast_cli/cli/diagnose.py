@@ -1,0 +1,69 @@
+"""``coast diagnose``: what physics a model left out, when recordings disagree with it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from coast_cli.cli.options import ConfigArgument
+from coast_cli.cli.recording_options import (
+    BendingLengthOption,
+    ColumnsOption,
+    HoldOutOption,
+    RecordedPairOption,
+    RecordingsArgument,
+    renamed_columns,
+)
+
+
+def diagnose(
+    config: ConfigArgument,
+    recordings: RecordingsArgument,
+    *,
+    hold_out: HoldOutOption = None,
+    columns: ColumnsOption = None,
+    pair: RecordedPairOption = None,
+    x2: BendingLengthOption = None,
+    max_effects: Annotated[int, typer.Option(min=0, max=12, help="largest set of effects that is tried")] = 5,
+    seed: Annotated[int, typer.Option(min=0, help="of random numbers; it stands in the provenance")] = 0,
+    format: Annotated[
+        str | None, typer.Option("--format", "-f", metavar="FORMAT", help="table or json, to stdout")
+    ] = None,
+    output: Annotated[
+        list[Path] | None, typer.Option("--output", "-o", metavar="FILE", help="write a .txt or .json file; repeatable")
+    ] = None,
+    save_model: Annotated[
+        Path | None, typer.Option(metavar="FILE.toml", help="write the corrected model, for stroke, check and compare")
+    ] = None,
+    plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="draw recording, models and residuals")] = None,
+    report: Annotated[Path | None, typer.Option(metavar="FILE.html", help="write one self-contained page")] = None,
+    fail_on_mismatch: Annotated[
+        bool, typer.Option("--fail-on-mismatch", help="exit 1 unless the model agrees within the noise")
+    ] = False,
+) -> int:
+    """Say whether recordings disagree with the model, where, what was left out, the model with it, and if it fits.
+
+    Without --hold-out the runs kept back are chosen by a rule, which the answer states.
+    """
+    from coast_cli.diagnosis.recorded import diagnose as diagnosis_of
+    from coast_cli.output.diagnosis import DiagnosisAnswer, Outputs, write_diagnosis
+    from coast_cli.output.provenance import provenance
+    from coast_cli.output.waiting import waiting
+    from coast_cli.output.write import say
+    from coast_cli.recordings.read import read_recordings
+    from coast_cli.spec.load import load_config
+
+    outputs = Outputs(format, tuple(output or ()), save_model, plot, report)
+    outputs.check()
+    document = load_config(config)
+    read = read_recordings(recordings, document, columns=renamed_columns(columns), pair=pair, bending_length_mm=x2)
+    with waiting(f"diagnosing {', '.join(read.run_names[:3])}{' ...' if len(read.run_names) > 3 else ''}"):
+        found, notes = diagnosis_of(document, read, named_hold_out=hold_out or (), most_effects=max_effects)
+    options = {"max_effects": max_effects, "hold_out": list(hold_out or ())}
+    origin = provenance(document, recordings=read.sources, options=options, seed=seed)
+    for note in (*read.notes, *notes):
+        say(f"note: {note}")
+    write_diagnosis(DiagnosisAnswer(found, document, read, origin, (*read.notes, *notes)), outputs)
+    return 1 if fail_on_mismatch and found.verdict != "agrees" else 0

@@ -1,0 +1,131 @@
+"""Send a diagnosis where the user wants it: page or JSON to stdout and files, a model file, a plot, a report."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from importlib import import_module
+from io import StringIO
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, Any
+
+from coast_cli.errors import UsageError
+from coast_cli.output.atomic import write_files
+from coast_cli.output.stdout import to_stdout
+
+if TYPE_CHECKING:
+    from coast_cli.diagnosis.answer import Diagnosis
+    from coast_cli.recordings.model import Recordings
+    from coast_cli.spec.config import Config
+
+RENDERERS = {"table": "coast_cli.output.diagnosis_page", "json": "coast_cli.output.diagnosis_json"}
+SUFFIXES = {".txt": "table", ".json": "json"}
+
+
+@dataclass(frozen=True)
+class DiagnosisAnswer:
+    """A diagnosis with what it was made from.
+
+    Attributes:
+        config, recordings: as read. provenance: as of every answer. notes: besides the diagnosis' own.
+    """
+
+    diagnosis: Diagnosis
+    config: Config
+    recordings: Recordings
+    provenance: Mapping[str, Any] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Outputs:
+    """What is asked for; checked before the diagnosis is made, so that a wrong name costs no minute of fitting."""
+
+    format: str | None = None
+    files: tuple[Path, ...] = ()
+    model: Path | None = None
+    plot: Path | None = None
+    report: Path | None = None
+
+    def check(self) -> None:
+        """Refuse formats, suffixes and places that cannot be.
+
+        Raises:
+            UsageError: naming the option.
+        """
+        if self.format is not None and self.format not in RENDERERS:
+            raise UsageError(f"--format {self.format}: not a format of a diagnosis; allowed: {', '.join(RENDERERS)}.")
+        for path in self.files:
+            _check_suffix("-o", path, SUFFIXES)
+        if self.model is not None:
+            _check_suffix("--save-model", self.model, (".toml",))
+        if self.report is not None:
+            _check_suffix("--report", self.report, (".html", ".htm"))
+        if self.plot is not None:
+            from coast_cli.output.diagnosis_plot import FORMATS, drawing
+
+            _check_suffix("--plot", self.plot, FORMATS)
+            drawing()
+        named = [path for path in (*self.files, self.model, self.plot, self.report) if path is not None]
+        for place, path in enumerate(named):
+            if path.resolve() in [other.resolve() for other in named[:place]]:
+                raise UsageError(f"{path}: named for two outputs.")
+            folder = path.resolve().parent
+            if not folder.is_dir():
+                raise UsageError(f"{path}: cannot be written, as there is no folder {path.parent}.")
+            if not os.access(folder, os.W_OK) and not path.exists():
+                raise UsageError(f"{path}: cannot be written, as its folder does not allow it.")
+
+    @property
+    def quiet(self) -> bool:
+        """Whether stdout stays empty: only files are asked for by -o."""
+        return self.format is None and bool(self.files)
+
+
+def write_diagnosis(answer: DiagnosisAnswer, outputs: Outputs) -> None:
+    """Write everything asked for, all files or none.
+
+    Raises:
+        UsageError: a file cannot be written, or matplotlib is not installed for a plot.
+    """
+    contents: dict[Path, bytes] = {path: _text(answer, SUFFIXES[path.suffix.lower()]) for path in outputs.files}
+    if outputs.model is not None:
+        from coast_cli.diagnosis.model_file import model_text
+
+        text = model_text(answer.config, answer.diagnosis, answer.recordings, str(outputs.model))
+        contents[outputs.model] = text.encode()
+    if outputs.plot is not None:
+        from coast_cli.output.diagnosis_plot import picture
+
+        contents[outputs.plot] = picture(answer, outputs.plot.suffix.lower().removeprefix("."))
+    if outputs.report is not None:
+        from coast_cli.output.diagnosis_report import report
+
+        contents[outputs.report] = report(answer).encode()
+    write_files({path: partial(_put, content) for path, content in contents.items()}, binary=True)
+    if not outputs.quiet:
+        to_stdout(partial(_renderer(outputs.format or "table"), answer))
+
+
+def _text(answer: DiagnosisAnswer, format: str) -> bytes:
+    stream = StringIO()
+    _renderer(format)(answer, stream)
+    return stream.getvalue().encode()
+
+
+def _put(content: bytes, stream: IO[Any]) -> None:
+    stream.write(content)
+
+
+def _renderer(format: str) -> Callable[[DiagnosisAnswer, IO[str]], None]:
+    found: Callable[[DiagnosisAnswer, IO[str]], None] = import_module(RENDERERS[format]).render
+    return found
+
+
+def _check_suffix(option: str, path: Path, allowed: Sequence[str] | Mapping[str, str]) -> None:
+    if path.suffix.lower() not in allowed:
+        raise UsageError(f"{option} {path}: the suffix does not say a format; allowed: {', '.join(allowed)}.")
+    if path.is_dir():
+        raise UsageError(f"{option} {path}: this is a folder, not a file.")

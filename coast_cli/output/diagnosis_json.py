@@ -1,0 +1,101 @@
+"""A diagnosis as JSON, schema ``coast.diagnosis/1``; a number that could not be determined is null, never NaN."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from math import isfinite
+from typing import IO, TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from coast_cli.diagnosis.answer import Comparison, Diagnosis, Level, Named, Value
+    from coast_cli.diagnosis.locate import Region
+    from coast_cli.output.diagnosis import DiagnosisAnswer
+
+# Units of the axes of ``where``; the others are names or counts.
+AXIS_UNITS = {
+    "stroke": "mm",
+    "tension": "N",
+    "curvature": "1/m",
+    "bending_length": "mm",
+    "time": "s",
+    "rate": "per s",
+    "arc_length": "mm",
+}
+
+
+def render(answer: DiagnosisAnswer, stream: IO[str]) -> None:
+    """Write the diagnosis as JSON."""
+    stream.write(json.dumps(document(answer), indent=2, allow_nan=False, ensure_ascii=False))
+    stream.write("\n")
+
+
+def document(answer: DiagnosisAnswer) -> dict[str, Any]:
+    """Return the diagnosis as plain tables and lists."""
+    found: Diagnosis = answer.diagnosis
+    return {
+        "schema": "coast.diagnosis/1",
+        "verdict": found.verdict,
+        "reason": found.reason,
+        "noise": {"unit": found.noise_unit, "value": number(found.noise)},
+        "where": [_region(region) for region in found.where],
+        "effects": [_effect(effect) for effect in found.effects],
+        "alternatives": [list(ids) for ids in found.alternatives],
+        "attempts": list(found.attempts),
+        "parameters": {
+            name: {**_value(value), "configured": number(found.configured.get(name))}
+            for name, value in found.parameters.items()
+        },
+        "fit": None if found.comparison is None else _fit(found.comparison),
+        "next_recording": found.next_recording,
+        "notes": [*found.notes, *answer.notes],
+        "provenance": dict(answer.provenance),
+    }
+
+
+def number(value: float | None) -> float | None:
+    """Return a finite number, or None."""
+    return float(value) if value is not None and isfinite(value) else None
+
+
+def _region(region: Region) -> dict[str, Any]:
+    return {
+        "axis": region.axis,
+        "value": region.value,
+        "low": number(region.low),
+        "high": number(region.high),
+        "unit": AXIS_UNITS.get(region.axis),
+        "share": number(region.share),
+        "p_value": number(region.p_value),
+    }
+
+
+def _effect(effect: Named) -> dict[str, Any]:
+    return {
+        "id": effect.id,
+        "kind": effect.kind,
+        "component": effect.component,
+        "title": effect.title,
+        "equation": effect.equation,
+        "confidence": number(effect.confidence),
+        "parameters": {name: _value(value) for name, value in effect.parameters.items()},
+    }
+
+
+def _value(value: Value) -> dict[str, Any]:
+    return {"value": number(value.value), "std": number(value.std), "at_bound": bool(value.at_bound)}
+
+
+def _fit(fit: Comparison) -> dict[str, Any]:
+    levels: Mapping[str, Level] = {
+        "configured": fit.configured,
+        "refitted": fit.refitted,
+        "with_effects": fit.with_effects,
+    }
+    return {
+        "unit": fit.unit,
+        "held_out_runs": list(fit.held_out_runs),
+        "rule": fit.rule,
+        **{name: {"train": number(level.train), "held_out": number(level.held_out)} for name, level in levels.items()},
+        "tip_mm": {"refitted": number(fit.tip_mm_refitted), "with_effects": number(fit.tip_mm_with_effects)},
+    }

@@ -1,0 +1,130 @@
+"""A diagnosis as a picture: recording, refitted base and corrected model; what is left; where the excess lies."""
+
+from __future__ import annotations
+
+from io import BytesIO
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from coast_cli.errors import UsageError
+from coast_cli.output.diagnosis_words import percent, place
+from coast_cli.output.plots import RESPONSES
+from coast_cli.units import MILLIMETRE
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from coast_cli.diagnosis.answer import Diagnosis
+    from coast_cli.diagnosis.curves import Curve
+    from coast_cli.output.diagnosis import DiagnosisAnswer
+
+    Floats = NDArray[np.float64]
+
+FORMATS = (".png", ".svg")
+MOST_PANELS = 6
+MOST_NOTCHES = 3
+_RECORDED, _BASE, _CORRECTED = "0.45", "tab:blue", "tab:red"
+_DPI = 130
+
+
+def drawing() -> Any:  # noqa: ANN401
+    """Return matplotlib's Figure.
+
+    Raises:
+        UsageError: matplotlib is not installed.
+    """
+    try:
+        from matplotlib.figure import Figure
+    except ImportError:
+        raise UsageError("plots need matplotlib: install coast-cli[plot].") from None
+    return Figure
+
+
+def picture(answer: DiagnosisAnswer, format: str) -> bytes:
+    """Return the picture of a diagnosis as PNG or SVG; the same answer gives the same bytes."""
+    from matplotlib import rc_context
+
+    from coast_cli.diagnosis.curves import curves
+
+    found = answer.diagnosis
+    shown = _spread(curves(answer.config, answer.recordings, found), MOST_PANELS)
+    with rc_context({"svg.hashsalt": "coast", "font.size": 8.0, "axes.spines.top": False, "axes.spines.right": False}):
+        columns = max(min(len(shown), 3), 1)
+        rows = -(-len(shown) // columns)
+        bars = 0.5 + 0.24 * min(len(found.where), 8) if found.where else 0.0
+        figure = drawing()(figsize=(3.6 * max(columns, 2), 3.4 * rows + bars + 0.4), layout="constrained")
+        if found.where and shown:
+            above, below = figure.subfigures(2, 1, height_ratios=(3.4 * rows, bars + 0.4))
+            _bars(found, below.subplots())
+        else:
+            above = figure
+            if found.where:
+                _bars(found, figure.subplots())
+        if shown:
+            panels = np.atleast_1d(above.subfigures(rows, columns, squeeze=False)).ravel()
+            for number, (panel, curve) in enumerate(zip(panels, shown, strict=False)):
+                upper, lower = panel.subplots(2, 1, sharex=True, height_ratios=(2, 1))
+                _run(curve, found, upper, lower, first=number == 0)
+        stream = BytesIO()
+        figure.savefig(stream, format=format, dpi=_DPI, metadata={"Date" if format == "svg" else "Software": None})
+    return stream.getvalue()
+
+
+def _spread(items: list[Curve], most: int) -> list[Curve]:
+    """Return at most so many, evenly over the list, the first and the last among them."""
+    if len(items) <= most:
+        return items
+    return [items[round(index * (len(items) - 1) / (most - 1))] for index in range(most)]
+
+
+def _run(curve: Curve, found: Diagnosis, upper: Any, lower: Any, *, first: bool) -> None:  # noqa: ANN401
+    run = curve.run
+    label, unit = RESPONSES[run.kind]
+    drive = run.drive / MILLIMETRE if run.stroke is not None else run.drive
+    corrected = bool(found.model_effects)
+    for column in _columns(run.response):
+        recorded = run.response[:, column] / unit
+        upper.plot(drive, recorded, ".", ms=2.5, color=_RECORDED, label="recording" if column == 0 else None)
+        for shown, values, colour, width, words in (
+            (True, curve.base, _BASE, 0.9, "base refitted"),
+            (corrected, curve.corrected, _CORRECTED, 1.1, "with effects"),
+        ):
+            if shown:
+                model = values[:, column] / unit
+                upper.plot(drive, model, "-", lw=width, color=colour, label=words if column == 0 else None)
+                lower.plot(drive, recorded - model, ".", ms=2.0, color=colour, alpha=0.7)
+    held = found.comparison is not None and run.name in found.comparison.held_out_runs
+    upper.set_title(f"{run.name}, X2 = {_lengths(run.bending_length)} mm{' (held out)' if held else ''}")
+    upper.set_ylabel(label)
+    if first:
+        upper.legend(frameon=False, fontsize=7)
+    factor = 1.0 if run.kind == "curvature" else unit
+    noise = found.noise if run.kind == "curvature" else found.noise * factor / unit
+    lower.axhspan(-2.0 * noise, 2.0 * noise, color="0.9", lw=0, zorder=0)
+    lower.axhline(0.0, lw=0.5, color="black", zorder=1)
+    lower.set_ylabel("recorded - model")
+    lower.set_xlabel("stroke X1 (mm)" if run.stroke is not None else "tension (N)")
+
+
+def _columns(response: Floats) -> list[int]:
+    """Return the columns to draw: of many notches the first, the middle and the last."""
+    count = response.shape[1]
+    return list(range(count)) if count <= MOST_NOTCHES else [0, count // 2, count - 1]
+
+
+def _lengths(length: Floats) -> str:
+    low, high = float(np.min(length)) / MILLIMETRE, float(np.max(length)) / MILLIMETRE
+    return f"{low:.3g}" if high - low < 1e-6 else f"{low:.3g} to {high:.3g}"
+
+
+def _bars(found: Diagnosis, axes: Any) -> None:  # noqa: ANN401
+    regions = found.where[:8][::-1]
+    shares = [100.0 * region.share for region in regions]
+    axes.barh(range(len(regions)), shares, color=_BASE, height=0.6)
+    for height, (share, region) in enumerate(zip(shares, regions, strict=True)):
+        axes.text(share + 1.0, height, percent(region.share), va="center", fontsize=7)
+    axes.set_yticks(range(len(regions)), [place(region) for region in regions])
+    axes.set_xlim(0.0, 112.0)
+    axes.set_xlabel("share of the error above the noise (%)")
+    axes.tick_params(axis="y", length=0)
