@@ -262,7 +262,8 @@ class _Loads:
 
 def _broadcast(*columns: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     arrays = [np.atleast_2d(np.asarray(column, dtype=float)) for column in columns]
-    length, rigidity, weight, curvature = np.broadcast_arrays(*arrays)
+    shape = np.broadcast_shapes(*(array.shape for array in arrays))
+    length, rigidity, weight, curvature = (np.broadcast_to(array, shape) for array in arrays)
     return length, rigidity, weight, curvature
 
 

@@ -1,9 +1,9 @@
 """Many tips at once, compiled: the plain-Python step of ``beam_step`` made into vector instructions by numba.
 
 The optional extra ``[fast]``; import this module only where numba is installed. Sixteen beams go side by side through
-every march, which fills the vector registers; loops go upward, or the compiler's overlap checks spoil that. Beams out of
-the ordinary (several equilibria, very soft, pieces that must be divided) are left to the numpy solver. Both agree to
-1e-12.
+every march, which fills the vector registers; loops go upward, or the compiler's overlap checks spoil that. Beams out
+of the ordinary (several equilibria, very soft, pieces that must be divided) are left to the numpy solver. Both agree
+to 1e-12.
 """
 
 from __future__ import annotations
@@ -284,7 +284,13 @@ def _largest_moment(cells, loads, state, tip, largest):  # type: ignore[no-untyp
             largest[j] = max(largest[j], abs(state[3, j]))
 
 
-@numba.njit(**_options)
+_Columns = numba.types.Array(numba.float64, 2, "A", readonly=True)  # one signature for all layouts: compiled once
+_Table = numba.types.Array(numba.float64, 2, "A")
+
+
+@numba.njit(
+    numba.void(*[_Columns] * 4, numba.float64[:, ::1], numba.int64[::1], _Table, numba.boolean[::1]), **_options
+)
 def _solve_lanes(length, rigidity, weight, curvature, all_loads, chosen, tips, solved):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
     count, nodes = length.shape
     pieces, cells = np.empty((nodes, 4, LANES)), np.empty((chosen.size + 1, 4, LANES))
