@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 LONGEST_BLOCK = 96
 SHORTEST_BLOCK = 7
-MOST_BLOCKS = 150
+MOST_SAMPLES = 4000
 LONGEST_GAP = 4
 OUTLIER_IN_SIGMAS = 5.5
 MEMORY_IN_STRETCH = 0.2
@@ -121,9 +121,9 @@ def estimate_noise(values: Floats, drive: Floats | None = None) -> NoiseEstimate
     return pooled_noise([Series(np.asarray(values, dtype=np.float64), find_branches(drive), drive)])
 
 
-def run_noise(run: JointRun) -> NoiseEstimate:
+def run_noise(run: JointRun, *, most_samples: int = MOST_SAMPLES) -> NoiseEstimate:
     """Return the noise on the response of one run; the notches of a run are pooled."""
-    return pooled_noise(_run_series(run))
+    return pooled_noise(_run_series(run), most_samples=most_samples)
 
 
 def recording_noise(runs: Iterable[JointRun]) -> NoiseEstimate:
@@ -135,8 +135,8 @@ def _run_series(run: JointRun) -> list[Series]:
     return [Series(column, run.branches, run.drive) for column in run.response.T]
 
 
-def pooled_noise(series: Sequence[Series]) -> NoiseEstimate:
-    """Return the noise that all series share."""
+def pooled_noise(series: Sequence[Series], *, most_samples: int = MOST_SAMPLES) -> NoiseEstimate:
+    """Return the noise that all series share, from about ``most_samples`` samples spread over them."""
     blocks: list[Block] = []
     flagged = total = 0
     for one in series:
@@ -162,8 +162,7 @@ def pooled_noise(series: Sequence[Series]) -> NoiseEstimate:
             samples=total,
             determined=False,
         )
-    if len(blocks) > MOST_BLOCKS:
-        blocks = [blocks[index] for index in np.linspace(0, len(blocks) - 1, MOST_BLOCKS).astype(int)]
+    blocks = _spread_out(blocks, most_samples)
     rough = [difference_noise(block.values) for block in blocks if len(block.values) >= 8]
     start = max(float(np.median(rough)) if rough else _spread(series), floor)
     longest = MEMORY_IN_STRETCH * _usual_stretch(series)
@@ -181,6 +180,15 @@ def pooled_noise(series: Sequence[Series]) -> NoiseEstimate:
         outlier_share=share,
         samples=sum(len(block.values) for block in blocks),
     )
+
+
+def _spread_out(blocks: list[Block], most_samples: int) -> list[Block]:
+    """Return blocks taken evenly from all until they hold enough samples."""
+    total = sum(len(block.values) for block in blocks)
+    if total <= most_samples:
+        return blocks
+    count = max(1, round(len(blocks) * most_samples / total))
+    return [blocks[index] for index in np.linspace(0, len(blocks) - 1, count).astype(int)]
 
 
 def _spread(series: Sequence[Series]) -> float:

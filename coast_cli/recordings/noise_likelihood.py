@@ -31,6 +31,7 @@ AMPLITUDES = np.concatenate(([0.0], 10.0 ** np.arange(-5.0, 2.25, 0.5)))
 SMOOTHER_FIRST = np.exp(-0.1 * np.arange(len(AMPLITUDES)))
 HINGED = np.array([0, 5, 7, 9])
 HINGE_WIDTH = 1000.0
+MOST_HINGES = 64
 HINGE_SHARE = 0.2
 WHITE_FIRST = 3.0
 LOG_SIGNAL_PRIOR = np.log(
@@ -182,7 +183,7 @@ def _basis(coordinate: Floats, degree: int) -> _Basis:
     transform = vectors.transpose(0, 2, 1) @ inverse @ contrast.T
     total = 1.0 + AMPLITUDES[:, None] ** 2 * np.maximum(variance, 0.0)[:, None, :]
     half = np.log(np.diagonal(root, axis1=1, axis2=2)).sum(axis=1)[:, None] + 0.5 * np.log(total).sum(axis=2)
-    places = np.interp(np.arange(1.5, size - 2.0, 0.5), np.arange(size), start)
+    places = np.interp(np.arange(1.5, size - 2.0, max(0.5, size / MOST_HINGES)), np.arange(size), start)
     hinges = transform @ np.maximum(start[:, None] - places, 0.0)
     information = (1.0 / total[:, HINGED]) @ hinges**2
     return _Basis(transform, total, half, hinges, information)

@@ -1,0 +1,53 @@
+"""``coast compare``: the errors of one model on recordings it was not fitted to."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from coast_cli.cli.options import ConfigArgument, FormatOption, OutputOption
+from coast_cli.cli.recording_options import (
+    BendingLengthOption,
+    ColumnsOption,
+    PlotOption,
+    RecordedPairOption,
+    RecordingsArgument,
+    renamed_columns,
+)
+
+
+def compare(
+    config: ConfigArgument,
+    recordings: RecordingsArgument,
+    *,
+    model: Annotated[
+        Path | None, typer.Option(metavar="FILE.toml", help="a model with corrections, as --save-model wrote it")
+    ] = None,
+    columns: ColumnsOption = None,
+    pair: RecordedPairOption = None,
+    x2: BendingLengthOption = None,
+    plot: PlotOption = None,
+    format: FormatOption = None,
+    output: OutputOption = None,
+) -> None:
+    """Print the errors of a model on recordings, in curvature and at the tip, run by run and pooled."""
+    from coast_cli.diagnosis.compare import compare as errors_of
+    from coast_cli.output.answer import Answer
+    from coast_cli.output.provenance import provenance
+    from coast_cli.output.write import write_answer
+    from coast_cli.recordings.read import read_recordings
+    from coast_cli.spec.load import load_config
+
+    document = load_config(config)
+    read = read_recordings(recordings, document, columns=renamed_columns(columns), pair=pair, bending_length_mm=x2)
+    documents = (document,) if model is None else (document, load_config(model))
+    comparison = errors_of(documents[-1], read)
+    notes = read.notes
+    if plot is not None:
+        from coast_cli.output.plots import plot_comparison
+
+        notes += plot_comparison(comparison, plot)
+    origin = provenance(*documents, recordings=read.sources)
+    write_answer(Answer("compare", comparison.rows(), origin, notes), format, output or ())
