@@ -56,9 +56,11 @@ def solve_share(
     chosen = (nodes - 1 - chosen)[::-1].copy()
     bounds = np.linspace(0, count, threads + 1).astype(int).tolist()
 
+    kernel: Any = _solve_lanes
+
     def run(low: int, high: int) -> None:
         part = slice(low, high)
-        _solve_lanes(
+        kernel(
             *(p[part] for p in pieces), np.stack([v[part] for v in loads]), chosen, tips[:, part], solved[part]
         )
 

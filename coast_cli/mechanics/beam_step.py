@@ -98,7 +98,7 @@ def segment_displacement(length: Number, cosine: Number, sine: Number, series: S
 def segment_tangent(
     length: Number, flexibility: Number, forces: Forces, series: Series, slope: Number, moment_slope: Number
 ) -> tuple[Number, Number]:
-    """Carry the derivatives of angle and moment by the tip's angle across one segment, to order 4.
+    """Carry the derivatives of angle and moment by the tip's angle across one segment, to order 3 along the beam.
 
     Args:
         length, flexibility: as in ``segment_turn``. forces, series: from it.

@@ -1,4 +1,4 @@
-"""The three 13-digit answers of the project's contract: a tube under gravity at three natural curvatures, to 122 degrees."""
+"""Three answers to 13 digits: a tube under gravity at three natural curvatures, to 122 degrees."""
 
 import numpy as np
 import pytest
