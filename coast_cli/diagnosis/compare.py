@@ -10,7 +10,7 @@ import numpy as np
 
 from coast_cli.diagnosis.errors import UNITS, tip_of, to_unit
 from coast_cli.diagnosis.problem import build_problem
-from coast_cli.diagnosis.shapes import ShapeErrors, shape_errors
+from coast_cli.diagnosis.shape_errors import ShapeErrors, shape_errors
 from coast_cli.recordings.noise import pooled_noise, recording_noise, run_noise
 from coast_cli.units import DEGREE, MILLIMETRE
 
