@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 RENDERERS = {"table": "coast_cli.output.diagnosis_page", "json": "coast_cli.output.diagnosis_json"}
 SUFFIXES = {".txt": "table", ".json": "json"}
+PICTURES = (".png", ".svg")
 
 
 @dataclass(frozen=True)
@@ -37,6 +38,12 @@ class DiagnosisAnswer:
     recordings: Recordings
     provenance: Mapping[str, Any] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+
+    @property
+    def drive_unit(self) -> str:
+        """The unit of what drives the joint, as people write it."""
+        joint = self.recordings.joint
+        return "N" if joint is not None and joint.runs[0].stroke is None else "mm"
 
 
 @dataclass(frozen=True)
@@ -64,9 +71,10 @@ class Outputs:
         if self.report is not None:
             _check_suffix("--report", self.report, (".html", ".htm"))
         if self.plot is not None:
-            from coast_cli.output.diagnosis_plot import FORMATS, drawing
+            _check_suffix("--plot", self.plot, PICTURES)
+        if self.plot is not None or self.report is not None:
+            from coast_cli.output.diagnosis_plot import drawing
 
-            _check_suffix("--plot", self.plot, FORMATS)
             drawing()
         named = [path for path in (*self.files, self.model, self.plot, self.report) if path is not None]
         for place, path in enumerate(named):

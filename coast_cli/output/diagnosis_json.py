@@ -7,22 +7,12 @@ from collections.abc import Mapping
 from math import isfinite
 from typing import IO, TYPE_CHECKING, Any
 
+from coast_cli.output.diagnosis_words import axis_unit
+
 if TYPE_CHECKING:
     from coast_cli.diagnosis.answer import Comparison, Diagnosis, Level, Named, Value
     from coast_cli.diagnosis.locate import Region
     from coast_cli.output.diagnosis import DiagnosisAnswer
-
-# Units of the axes of ``where``; the others are names or counts.
-AXIS_UNITS = {
-    "stroke": "mm",
-    "tension": "N",
-    "curvature": "1/m",
-    "bending_length": "mm",
-    "time": "s",
-    "rate": "per s",
-    "arc_length": "mm",
-}
-
 
 def render(answer: DiagnosisAnswer, stream: IO[str]) -> None:
     """Write the diagnosis as JSON."""
@@ -38,7 +28,7 @@ def document(answer: DiagnosisAnswer) -> dict[str, Any]:
         "verdict": found.verdict,
         "reason": found.reason,
         "noise": {"unit": found.noise_unit, "value": number(found.noise)},
-        "where": [_region(region) for region in found.where],
+        "where": [_region(region, answer.drive_unit) for region in found.where],
         "effects": [_effect(effect) for effect in found.effects],
         "alternatives": [list(ids) for ids in found.alternatives],
         "attempts": list(found.attempts),
@@ -58,13 +48,13 @@ def number(value: float | None) -> float | None:
     return float(value) if value is not None and isfinite(value) else None
 
 
-def _region(region: Region) -> dict[str, Any]:
+def _region(region: Region, drive_unit: str) -> dict[str, Any]:
     return {
         "axis": region.axis,
         "value": region.value,
         "low": number(region.low),
         "high": number(region.high),
-        "unit": AXIS_UNITS.get(region.axis),
+        "unit": axis_unit(region, drive_unit) or None,
         "share": number(region.share),
         "p_value": number(region.p_value),
     }

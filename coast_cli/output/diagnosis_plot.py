@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-FORMATS = (".png", ".svg")
 MOST_PANELS = 6
 MOST_NOTCHES = 3
+_MOST_BARS = 8
 _RECORDED, _BASE, _CORRECTED = "0.45", "tab:blue", "tab:red"
 _DPI = 130
 
@@ -37,7 +37,7 @@ def drawing() -> Any:  # noqa: ANN401
     try:
         from matplotlib.figure import Figure
     except ImportError:
-        raise UsageError("plots need matplotlib: install coast-cli[plot].") from None
+        raise UsageError("plots and reports need matplotlib: install coast-cli[plot].") from None
     return Figure
 
 
@@ -50,17 +50,17 @@ def picture(answer: DiagnosisAnswer, format: str) -> bytes:
     found = answer.diagnosis
     shown = _spread(curves(answer.config, answer.recordings, found), MOST_PANELS)
     with rc_context({"svg.hashsalt": "coast", "font.size": 8.0, "axes.spines.top": False, "axes.spines.right": False}):
-        columns = max(min(len(shown), 3), 1)
+        columns = 2 if len(shown) in (2, 4) else max(min(len(shown), 3), 1)
         rows = -(-len(shown) // columns)
-        bars = 0.5 + 0.24 * min(len(found.where), 8) if found.where else 0.0
+        bars = 0.5 + 0.24 * min(len(found.where), _MOST_BARS) if found.where else 0.0
         figure = drawing()(figsize=(3.6 * max(columns, 2), 3.4 * rows + bars + 0.4), layout="constrained")
         if found.where and shown:
             above, below = figure.subfigures(2, 1, height_ratios=(3.4 * rows, bars + 0.4))
-            _bars(found, below.subplots())
+            _bars(answer, below.subplots())
         else:
             above = figure
             if found.where:
-                _bars(found, figure.subplots())
+                _bars(answer, figure.subplots())
         if shown:
             panels = np.atleast_1d(above.subfigures(rows, columns, squeeze=False)).ravel()
             for number, (panel, curve) in enumerate(zip(panels, shown, strict=False)):
@@ -99,9 +99,7 @@ def _run(curve: Curve, found: Diagnosis, upper: Any, lower: Any, *, first: bool)
     upper.set_ylabel(label)
     if first:
         upper.legend(frameon=False, fontsize=7)
-    factor = 1.0 if run.kind == "curvature" else unit
-    noise = found.noise if run.kind == "curvature" else found.noise * factor / unit
-    lower.axhspan(-2.0 * noise, 2.0 * noise, color="0.9", lw=0, zorder=0)
+    lower.axhspan(-2.0 * found.noise, 2.0 * found.noise, color="0.9", lw=0, zorder=0)
     lower.axhline(0.0, lw=0.5, color="black", zorder=1)
     lower.set_ylabel("recorded - model")
     lower.set_xlabel("stroke X1 (mm)" if run.stroke is not None else "tension (N)")
@@ -118,13 +116,13 @@ def _lengths(length: Floats) -> str:
     return f"{low:.3g}" if high - low < 1e-6 else f"{low:.3g} to {high:.3g}"
 
 
-def _bars(found: Diagnosis, axes: Any) -> None:  # noqa: ANN401
-    regions = found.where[:8][::-1]
+def _bars(answer: DiagnosisAnswer, axes: Any) -> None:  # noqa: ANN401
+    regions = answer.diagnosis.where[:_MOST_BARS][::-1]
     shares = [100.0 * region.share for region in regions]
     axes.barh(range(len(regions)), shares, color=_BASE, height=0.6)
     for height, (share, region) in enumerate(zip(shares, regions, strict=True)):
         axes.text(share + 1.0, height, percent(region.share), va="center", fontsize=7)
-    axes.set_yticks(range(len(regions)), [place(region) for region in regions])
+    axes.set_yticks(range(len(regions)), [place(region, answer.drive_unit) for region in regions])
     axes.set_xlim(0.0, 112.0)
     axes.set_xlabel("share of the error above the noise (%)")
     axes.tick_params(axis="y", length=0)

@@ -20,6 +20,7 @@ HEADLINES = {
 }
 _NOTHING = 1e-9
 UNITS = {"curvature_per_m": "1/m", "bend_deg": "deg", "notch_deg": "deg", "shape_mm": "mm"}
+# Names and units of the axes of a region; DRIVE stands for the unit of the drive.
 AXES = {
     "direction": ("on", ""),
     "stroke": ("stroke", "mm"),
@@ -27,7 +28,7 @@ AXES = {
     "curvature": ("curvature", "1/m"),
     "bending_length": ("bending length", "mm"),
     "time": ("time", "s"),
-    "rate": ("rate", "a second"),
+    "rate": ("rate", "DRIVE/s"),
     "cycle": ("cycle", ""),
     "run": ("run", ""),
     "pair": ("pair", ""),
@@ -41,12 +42,18 @@ def unit_of(diagnosis: Diagnosis) -> str:
     return UNITS.get(diagnosis.noise_unit, diagnosis.noise_unit)
 
 
-def place(region: Region) -> str:
+def axis_unit(region: Region, drive_unit: str) -> str:
+    """Return the unit of a region's edges, or an empty text."""
+    return AXES.get(region.axis, ("", ""))[1].replace("DRIVE", drive_unit)
+
+
+def place(region: Region, drive_unit: str) -> str:
     """Return a region in words, e.g. ``stroke 1.2 to 3 mm``."""
-    name, unit = AXES.get(region.axis, (region.axis, ""))
+    name, unit = AXES.get(region.axis, (region.axis, ""))[0], axis_unit(region, drive_unit)
     if region.value is not None:
         return f"{name} {region.value}"
-    return f"{name} {_edge(region.low)} to {_edge(region.high)} {unit}".rstrip()
+    low, high = _edge(region.low), _edge(region.high)
+    return f"{name} {low if low == high else f'{low} to {high}'} {unit}".rstrip()
 
 
 def _edge(value: float | None) -> str:
@@ -70,11 +77,36 @@ def figure(value: float | None) -> str:
     return "-" if value is None or not isfinite(value) else f"{value:.3g}"
 
 
-def against_noise(diagnosis: Diagnosis, level: float | None) -> str:
-    """Return an error in noise levels."""
-    if level is None or not diagnosis.noise > 0.0:
-        return "-"
-    return f"{level / diagnosis.noise:.2g} x"
+def mismatch(found: Diagnosis) -> str:
+    """Return the first answer: the base model's error beside the noise."""
+    unit, fit = unit_of(found), found.comparison
+    if fit is None:
+        return f"Not decided; the noise of the recording is {figure(found.noise)} {unit}."
+    agrees = found.verdict in {"agrees", "parameters"}
+    level, words = (fit.configured, "as configured") if found.verdict == "agrees" else (fit.refitted, "refitted")
+    return (
+        f"{'No' if agrees else 'Yes'}: the base model {words} is off by {figure(judged(level))} {unit} RMS, "
+        f"the noise is {figure(found.noise)} {unit}."
+    )
+
+
+def levels(found: Diagnosis) -> list[tuple[str, str, str, str]]:
+    """Return rows of the table of errors: model, train, held out, and the judged one in noise levels."""
+    fit = found.comparison
+    if fit is None:
+        return []
+    models = [("as configured", fit.configured), ("base refitted", fit.refitted)]
+    if found.effects or found.attempts:
+        models.append(("with effects" if found.effects else "closest effects", fit.with_effects))
+    rows = [
+        (words, figure(level.train), figure(level.held_out), _in_noise(judged(level), found.noise))
+        for words, level in models
+    ]
+    return [*rows, ("noise", figure(found.noise), "", "")]
+
+
+def _in_noise(error: float, noise: float) -> str:
+    return f"{error / noise:.2g} x" if noise > 0.0 else "-"
 
 
 def judged(level: Level) -> float:
@@ -94,3 +126,26 @@ def gained(fit: Comparison) -> str:
 def percent(share: float) -> str:
     """Return a probability or share; one near certainty is not rounded up to it."""
     return f"{100.0 * share:.0f} %" if share < 0.995 else "over 99 %"
+
+
+def chance(probability: float) -> str:
+    """Return a p-value."""
+    return "< 1e-99" if probability < 1e-99 else f"{probability:.0e}"
+
+
+def others(found: Diagnosis) -> str:
+    """Return the alternatives as a list."""
+    return "; ".join(" + ".join(ids) for ids in found.alternatives)
+
+
+def held_out(fit: Comparison) -> str:
+    """Return what was held out, as a sentence."""
+    runs = ", ".join(fit.held_out_runs)
+    return f"Held out: {runs} ({fit.rule})." if runs else f"Held out: {fit.rule}."
+
+
+def sentence(text: str) -> str:
+    """Return the text as a sentence; a parameter's name that begins it keeps its letters."""
+    begins_with_name = "_" in text.partition(" ")[0]
+    begun = text if begins_with_name else text[:1].upper() + text[1:]
+    return begun if begun.endswith((".", "?", "!")) else f"{begun}."
