@@ -32,7 +32,7 @@ def model_text(config: Config, diagnosis: Diagnosis, recordings: Recordings, nam
 
     document = config.model_dump(exclude_unset=True)
     for parameter, value in diagnosis.model_parameters.items():
-        _put(document, CONFIG_KEYS.get(parameter, parameter), value)
+        put_number(document, CONFIG_KEYS.get(parameter, parameter), value)
     found = {
         effect.id: {p.name: float(getattr(effect, p.name)) for p in effect.parameters}
         for effect in diagnosis.model_effects
@@ -45,7 +45,7 @@ def model_text(config: Config, diagnosis: Diagnosis, recordings: Recordings, nam
     return text
 
 
-def _put(document: dict[str, Any], key: str, value: float) -> None:
+def put_number(document: dict[str, Any], key: str, value: float) -> None:
     """Replace a number by its dotted key; of ``{ value, min, max }`` the value moves and the bounds stay."""
     *tables, last = key.split(".")
     table: Any = document

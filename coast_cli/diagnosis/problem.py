@@ -36,6 +36,7 @@ _CONFIG_KEYS = {
     "notch_friction": "joint.notch_friction",
     "deadband_mm": "joint.deadband_mm",
     "tendon_youngs_modulus_gpa": "tendon.youngs_modulus_gpa",
+    "pulley_friction": "joint.pulley_friction",
 }
 _TRIVIAL = 1e-12
 
@@ -215,6 +216,7 @@ class Problem:
             "tension": tension,
             "duration": max(spans, default=1.0),
             "response": response,
+            "stroke": max(float(np.ptp(run.drive)) / MILLIMETRE for run in self.runs),
         }
 
     def only(self, train: Sequence[Booleans]) -> Problem:
@@ -229,6 +231,8 @@ def with_base(joint: Joint, values: Mapping[str, float]) -> Joint:
         changes["youngs_modulus"] = values["youngs_modulus_gpa"] * GIGAPASCAL
     if "notch_friction" in values:
         changes["notch_friction"] = values["notch_friction"]
+    if "pulley_friction" in values:
+        changes["pulley_friction"] = values["pulley_friction"]
     if "deadband_mm" in values:
         changes["deadband"] = values["deadband_mm"] * MILLIMETRE
     tendon = joint.tendon
