@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import tomli_w
 
 from coast_cli import __version__
-from coast_cli.diagnosis.problem import _CONFIG_KEYS as CONFIG_KEYS
+from coast_cli.diagnosis.problem import CONFIG_KEYS
 
 if TYPE_CHECKING:
     from coast_cli.diagnosis.answer import Diagnosis

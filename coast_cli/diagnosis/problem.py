@@ -31,7 +31,7 @@ _PRIORS = {
     "tendon_youngs_modulus_gpa": 0.1,  # of its logarithm
 }
 _LOGARITHMIC = ("youngs_modulus_gpa", "tendon_youngs_modulus_gpa")
-_CONFIG_KEYS = {
+CONFIG_KEYS = {
     "youngs_modulus_gpa": "joint.youngs_modulus_gpa",
     "notch_friction": "joint.notch_friction",
     "deadband_mm": "joint.deadband_mm",
@@ -286,7 +286,7 @@ def _free_parameters(config: Config, runs: Sequence[JointRun], *, has_witness: b
         names.append("tendon_youngs_modulus_gpa")
     found = []
     for name in names:
-        value, low, high = config.bounds(_CONFIG_KEYS[name])
+        value, low, high = config.bounds(CONFIG_KEYS[name])
         wide = _wide_bounds(name, value)
         low, high = max(low, wide[0]), min(high, wide[1])
         given = _given_bounds(config, name)
@@ -307,7 +307,7 @@ def _wide_bounds(name: str, value: float) -> tuple[float, float]:
 def _given_bounds(config: Config, name: str) -> tuple[float, float] | None:
     from coast_cli.spec.values import Calibrated
 
-    table, key = _CONFIG_KEYS[name].split(".")
+    table, key = CONFIG_KEYS[name].split(".")
     number = getattr(getattr(config, table), key)
     return (number.min, number.max) if isinstance(number, Calibrated) else None
 
