@@ -115,7 +115,7 @@ def others(case: Path, truth: dict[str, Any], held_out: list[str]) -> list[Other
 
 
 def true_form(world: World, data: Data, response: Array, truth: dict[str, Any]) -> Array:
-    """Return the generator's own form, its base and leading parameters refitted to the training rows; starts at the truth."""
+    """Return the generator's own form with base and leading parameters refitted to the training rows."""
     from scipy.optimize import least_squares
 
     free = free_parameters(data.rows)
@@ -200,7 +200,7 @@ def gaussian_process(data: Data, base: Array) -> Array:
 
 
 def sparse(data: Data, base: Array) -> Array:
-    """Residual of the base model by orthogonal matching pursuit over a polynomial and hysteresis library, stopped by BIC."""
+    """Residual of the base model by matching pursuit over a polynomial and hysteresis library, stopped by BIC."""
     drive, direction, peak, length, _ = _features(data, base).T
     k, t = base / max(data.top, 1e-9), data.elapsed()
     screw = 2e3 * np.pi * data.rows.drive / 0.635

@@ -1,10 +1,4 @@
-"""What the camera makes of the notches' bends: a circle through points of the shape, a tip angle.
-
-Late or distorted, and noise.
-
-The circle is fitted to the points with its tangent at the clamp; for a uniform bend it returns the curvature
-exactly.
-"""
+"""What the camera makes of the notches' bends: a circle through points or a tip angle, late, distorted, noisy."""
 
 from __future__ import annotations
 
@@ -18,26 +12,15 @@ Effects = Mapping[str, Mapping[str, object]]
 
 
 def circle_curvature(theta: Array, weight: float, length: Array) -> Array:
-    """Curvature (1/m) of the circle through the segment's points, for notch bends `theta` [time, notch] (rad)."""
-    steps, notches = theta.shape
-    total = theta.sum(axis=1) * weight
-    mean = total / length
-    # Points at the notch boundaries, in units of the length; chords of arcs so that a uniform bend is exact.
-    bend = theta * weight
-    angle = np.concatenate([np.zeros((steps, 1)), np.cumsum(bend, axis=1)], axis=1)
-    chord = np.sinc(bend / 2 / np.pi) / notches
-    direction = angle[:, :-1] + bend / 2
-    x, y = np.cumsum(chord * np.cos(direction), axis=1), np.cumsum(chord * np.sin(direction), axis=1)
-    s = np.arange(1, notches + 1) / notches
-    turn = total[:, None]
-    for _ in range(2):
-        px, py = s * np.sinc(turn * s / np.pi), s**2 * turn / 2 * np.sinc(turn * s / 2 / np.pi) ** 2
-        h = 1e-6
-        after = turn + h
-        jx = (s * np.sinc(after * s / np.pi) - px) / h
-        jy = (s**2 * after / 2 * np.sinc(after * s / 2 / np.pi) ** 2 - py) / h
-        turn = turn + (((x - px) * jx + (y - py) * jy).sum(axis=1) / (jx**2 + jy**2).sum(axis=1))[:, None]
-    return np.where(np.abs(theta - theta.mean(axis=1, keepdims=True)).max(axis=1) < 1e-13, mean, turn[:, 0] / length)
+    """Curvature (1/m) of the circle fitted to the segment's points, for notch bends `theta` [time, notch] (rad).
+
+    A free least-squares circle weighs the curvature along a nearly circular arc with 30 s^2 (1 - s)^2, the influence
+    function of a parabola's second derivative; for a uniform bend it is the curvature itself.
+    """
+    notches = theta.shape[1]
+    s = (np.arange(notches) + 0.5) / notches
+    share = s**2 * (1 - s) ** 2
+    return theta @ (share / share.sum()) * notches * weight / length
 
 
 def observe(
@@ -49,10 +32,7 @@ def observe(
     kind: str,
     effects: Effects,
 ) -> Array:
-    """Return the response [time, k] in 1/m (curvature) or degrees (bend, notch).
-
-    Late and distorted where an effect says so.
-    """
+    """Return the response [time, k] in 1/m (curvature) or degrees (bend, notch), late or distorted by an effect."""
     if kind == "curvature":
         seen = circle_curvature(theta, weight, length)[:, None]
         if "wire_pull_coupling" in effects:

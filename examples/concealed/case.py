@@ -35,7 +35,7 @@ class Case:
 
 
 def make_case(seed: int, level: str | None = None, effect: str | None = None) -> Case:
-    """Return the case of a seed. `level` and `effect` restrict what is drawn; the same arguments give the same bytes."""
+    """Return the case of a seed, always the same bytes; `level` and `effect` restrict what is drawn."""
     world, level, names, sizes = draw_world(seed, level, effect)
     case = record(world, seed, level, names, sizes)
     case.truth["asked"] = effect
@@ -167,7 +167,7 @@ def write_files(
 
 
 def where(world: World, played: Played, name: str) -> list[dict[str, object]]:
-    """Return the axis and window in which the main effect acts: its threshold where it has one, else where 90 % of it lies."""
+    """Return where the main effect acts: past its threshold where it has one, else where 90 % of it lies."""
     recipe, parameters = RECIPES[name], world.effects[name]
     others = {key: value for key, value in world.effects.items() if key != name}
     without = play_protocol(world.actual, world.protocol, others, world.curvature, world.streams)

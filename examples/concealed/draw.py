@@ -36,7 +36,7 @@ def draw_world(
             else str(rng.choice(list(LEVELS), p=list(LEVELS.values())))
         )
     for attempt in range(42):
-        # The same effect is tried with many protocols before another is taken, so that none is rarer for being harder to show.
+        # Many protocols are tried before another effect is taken: none is rarer for being harder to show.
         names = _choose_effects(np.random.default_rng([seed, 78, attempt // 14]), level, effect)
         found = _try_world(np.random.default_rng([seed, 77, attempt]), seed, level, names)
         if found is not None:

@@ -76,7 +76,7 @@ def judge(case: str, truth: dict[str, Any], answer: dict[str, Any]) -> Judgement
     wrong = bool(true and effects and said in ("physics", "sensor") and effects[0] not in allowed)
     if level == "L6":
         wrong = bool(effects and said in ("physics", "sensor") and effects[0] not in near)
-    scored = _score(level, said, effects, group, true, twins, near, truth)
+    scored = _score(said, effects, group, true, truth)
     identified = level in ("L1", "L5")
     overlap = component = None
     if identified and first:
@@ -128,50 +128,38 @@ def _alarm(said: str, effects: list[str]) -> bool:
     return said in ("physics", "sensor", "unknown", "failed") or (said == "undecided" and bool(effects))
 
 
-def _score(
-    level: str,
-    said: str,
-    effects: list[str],
-    group: list[str],
-    true: list[str],
-    twins: set[str],
-    near: set[str],
-    truth: dict[str, Any],
-) -> float:
-    """+1 right, +0.5 second, +0.25 honest "cannot tell", +1 unexplained outside the catalogue, -2 wrong name or false alarm."""
-    points = 0.0
+def _score(said: str, effects: list[str], group: list[str], true: list[str], truth: dict[str, Any]) -> float:
+    """Return +1 right, +0.5 second, +0.25 honest "cannot tell", -2 wrong name or false alarm, 0 missed."""
+    level, near, twins = truth["level"], set(truth.get("near", ())), set(truth.get("twins", ()))
+    if said == "failed":
+        return -2.0 if level in ("L0", "LP") else 0.0
     if level in ("L0", "LP"):
-        if _alarm(said, effects):
-            points = -2.0
-        elif said == "undecided":
-            points = 0.25
-        else:
-            points = 1.0 if level == "L0" or said == "parameter" else 0.0
-    elif said == "failed":
-        points = 0.0
-    elif level == "L6":
+        return _score_clean(level, said, effects)
+    if level == "L6":
         if said == "unknown":
-            points = 1.0
-        elif said == "undecided" or (effects and effects[0] in near):
-            points = 0.25
-        elif said in ("physics", "sensor"):
-            points = -2.0
-    elif said == "undecided":
+            return 1.0
+        honest = said == "undecided" or (bool(effects) and effects[0] in near)
+        return 0.25 if honest else -2.0 if said in ("physics", "sensor") else 0.0
+    if said == "unknown":
+        return 0.25
+    if said == "undecided":
         offered = {*effects, *group}
-        points = 0.25 if not offered or offered & (set(true) | twins) else -2.0
-    elif said == "unknown":
-        points = 0.25
-    elif said in ("none", "parameter"):
-        small = all(float(effect["noise_widths"]) < 1.0 for effect in truth["effects"])
-        right = bool(effects) and effects[0] == true[0]
-        points = 1.0 if right or "youngs_modulus" in twins else 0.25 if small else 0.0
-    elif effects and effects[0] == true[0]:
-        points = 1.0
-    elif true[0] in effects[1:2] or (effects and effects[0] in set(true) | twins):
-        points = 0.5
-    else:
-        points = -2.0
-    return points
+        return 0.25 if not offered or offered & {*true, *twins} else -2.0
+    if effects[:1] == true[:1]:
+        return 1.0
+    if said in ("none", "parameter"):
+        # Nothing to see, or a camera's scale taken for the stiffness that it is to this recording.
+        hidden = all(float(effect["noise_widths"]) < 1.0 for effect in truth["effects"])
+        return 1.0 if "youngs_modulus" in twins else 0.25 if hidden else 0.0
+    return 0.5 if true[0] in effects[1:2] or (effects and effects[0] in {*true, *twins}) else -2.0
+
+
+def _score_clean(level: str, said: str, effects: list[str]) -> float:
+    if _alarm(said, effects):
+        return -2.0
+    if said == "undecided":
+        return 0.25
+    return 1.0 if level == "L0" or said == "parameter" else 0.0
 
 
 def _overlap(true: list[dict[str, Any]], said: list[dict[str, Any]]) -> float:

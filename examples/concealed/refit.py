@@ -72,8 +72,8 @@ def free_parameters(rows: Rows) -> NDArray[np.int64]:
     return np.array([0, 1, 2]) if np.unique(np.round(rows.length, 6)).size > 1 else np.array([0, 2])
 
 
-def refit(rows: Rows, response: Array, *, robust: float | None = None) -> tuple[Array, Array]:
-    """Return base parameters fitted to `response` [row, k] and the fitted response [row]; `robust` is a soft-L1 width."""
+def refit(rows: Rows, response: Array) -> tuple[Array, Array]:
+    """Return base parameters fitted to `response` [row, k] and the fitted response [row]."""
     from scipy.optimize import least_squares
 
     free = free_parameters(rows)
@@ -90,8 +90,6 @@ def refit(rows: Rows, response: Array, *, robust: float | None = None) -> tuple[
         residual,
         START[free],
         x_scale=0.1,
-        loss="linear" if robust is None else "soft_l1",
-        f_scale=robust or 1.0,
         max_nfev=40,
     )
     best = START.copy()

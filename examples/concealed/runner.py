@@ -83,7 +83,7 @@ def answer(out: Path, case: Path, held_out: list[str]) -> None:
 
 
 def ask(case: Path, recordings: list[Path], held_out: list[str], model: Path | None) -> dict[str, Any]:
-    """One call of `coast diagnose`: its exit code, seconds, held-out runs, answer (or none) and the end of its stderr."""
+    """Call `coast diagnose` once: exit code, seconds, held-out runs, answer (or none) and the end of stderr."""
     arguments = ["diagnose", str(case / "tubes.toml"), *map(str, recordings), "--format", "json"]
     for name in held_out:
         arguments += ["--hold-out", name]

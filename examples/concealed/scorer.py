@@ -189,7 +189,7 @@ def _others(job: tuple[Path, str, dict[str, Any], list[str]]) -> dict[str, Any]:
 
 
 def held_out_errors(out: Path, name: str, truth: dict[str, Any], held_out: list[str]) -> dict[str, float]:
-    """RMSE of the saved model on the held-out run, as recorded and noiseless, in the recording's unit; empty without a model."""
+    """RMSE of the saved model on the held-out run, as recorded and noiseless; empty without a model."""
     model, cache = out / "answers" / f"{name}.model.toml", out / "answers" / f"{name}.errors.json"
     if cache.exists():
         return dict(json.loads(cache.read_text(encoding="utf-8")))
@@ -326,7 +326,7 @@ def _table(scores: Scores) -> str:
         if overlaps
         else "| overlap | - | 0 | | 0.8 |",
         f"| held-out error / true form refitted, median / 90th | {_median(ratios)} | {len(ratios)} | | 1.03 / 1.10 |",
-        f"| held-out error against the noiseless truth, noise widths, median / 90th | {_median(sigmas)} | {len(sigmas)} | | |",
+        f"| held-out error to the truth, noise widths, median / 90th | {_median(sigmas)} | {len(sigmas)} | | |",
         f"| score, mean | {scores.mean_score:.3f} | {len(scores.judgements)} | | 0.9 |",
         f"| seconds a case, median / 90th | {_median(times)} | {len(times)} | | |",
         "",
@@ -361,11 +361,11 @@ def _others_table(scores: Scores) -> list[str]:
         f"| coast diagnose ({len(mine)}) | {_median([level[c].figures['recorded'] / width[c] for c in mine])} "
         f"| {_median([level[c].figures['noiseless'] / width[c] for c in mine])} |"
     )
-    for name in names:
-        lines.append(
-            f"| {name} | {_median([found[name]['recorded'] / width[c] for c, found in scores.others.items()])} "
-            f"| {_median([found[name]['noiseless'] / width[c] for c, found in scores.others.items()])} |"
-        )
+    lines += [
+        f"| {name} | {_median([found[name]['recorded'] / width[c] for c, found in scores.others.items()])} "
+        f"| {_median([found[name]['noiseless'] / width[c] for c, found in scores.others.items()])} |"
+        for name in names
+    ]
     bic = {case: found["i.i.d. BIC"]["named"] for case, found in scores.others.items()}
     clean = [bic[c] != "none" for c in bic if level[c].level in ("L0", "LP")]
     right = [bic[c] == level[c].truth[0] for c in bic if level[c].level == "L1"]
@@ -381,26 +381,22 @@ def _confusion(scores: Scores) -> list[str]:
     for effect in sorted({j.truth[0] for j in wanted}):
         mine = [j for j in wanted if j.truth[0] == effect]
         other = Counter((j.named[0] if j.named else j.verdict) for j in mine if not j.first)
-        lines.append(
-            f"| `{effect}` | {len(mine)} | {sum(bool(j.first) for j in mine)} | {', '.join(f'{name} {count}' for name, count in other.most_common(5))} |"
-        )
+        said = ", ".join(f"{name} {count}" for name, count in other.most_common(5))
+        lines.append(f"| `{effect}` | {len(mine)} | {sum(bool(j.first) for j in mine)} | {said} |")
     classes = Counter((j.truth_class, j.said_class) for j in scores.judgements if j.level not in ("L2", "L3"))
-    said = [*CLASSES, "undecided", "failed"]
-    lines += ["", "| class | " + " | ".join(said) + " |", "|---|" + "---|" * len(said)]
-    lines += [f"| {true} | " + " | ".join(str(classes[true, other]) for other in said) + " |" for true in CLASSES]
+    columns = [*CLASSES, "undecided", "failed"]
+    lines += ["", "| class | " + " | ".join(columns) + " |", "|---|" + "---|" * len(columns)]
+    lines += [f"| {true} | " + " | ".join(str(classes[true, other]) for other in columns) + " |" for true in CLASSES]
     return [*lines, ""]
 
 
 def _worst(scores: Scores) -> list[str]:
-    lines = ["| worst cases | level | truth (noise widths) | said | score |", "|---|---|---|---|---|"]
+    lines = ["| worst cases | seed | level | truth (noise widths) | said | score |", "|---|---|---|---|---|---|"]
     for j in scores.worst():
-        true = (
-            ", ".join(f"{effect['id']} ({effect['noise_widths']:.1f})" for effect in scores.truths[j.case]["effects"])
-            or "nothing"
-        )
-        lines.append(
-            f"| `{j.case}` (seed {scores.truths[j.case]['seed']}) | {j.level} | {true} | {j.verdict}: {', '.join(j.named)} | {j.score:+.2f} |"
-        )
+        truth = scores.truths[j.case]
+        true = ", ".join(f"{effect['id']} ({effect['noise_widths']:.1f})" for effect in truth["effects"]) or "nothing"
+        said = f"{j.verdict}: {', '.join(j.named)}"
+        lines.append(f"| `{j.case}` | {truth['seed']} | {j.level} | {true} | {said} | {j.score:+.2f} |")
     return lines
 
 

@@ -54,7 +54,7 @@ class BendingLaw:
 
 
 class Segment:
-    """Bending segment of one run: notch friction, moment balance, snap, contact; explicit in the tension at its entry."""
+    """Bending segment of one run, explicit in the tension at its entry."""
 
     def __init__(
         self, joint: Joint, length: float, effects: Effects, rng: np.random.Generator, largest: float, density: float

@@ -20,8 +20,10 @@ ELEMENTS = 2
 
 @dataclass(frozen=True)
 class Strand:
-    """A beam as the solver sees it, element by element: length (m), rigidity (N m^2), weight (N/m), natural curvature (1/m),
-    and the stretch of the recorded line per curvature (m): the strip's axis is off the tube's.
+    """A beam as the solver sees it, element by element.
+
+    Length (m), rigidity (N m^2), weight (N/m), natural curvature (1/m), and how far the strip's axis is off the tube's
+    (m): the recorded line stretches by that times the curvature.
     """
 
     length: Array

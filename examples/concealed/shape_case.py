@@ -221,7 +221,7 @@ def _survives(scene: Scene, shapes: list[Array]) -> float:
 def _scale_shape(
     scene: Scene, base: list[Array], name: str, wanted: float, sigma: float, level: str
 ) -> tuple[Scene, float, dict[str, float]] | None:
-    """Bring what survives calibration to `wanted` noise widths, by amplitude first and noise where amplitude is bound."""
+    """Bring what survives calibration to `wanted` noise widths: by amplitude, then by noise."""
     for _ in range(3):
         shapes = [photograph(scene, run) for run in scene.runs]
         left = _survives(scene, shapes)

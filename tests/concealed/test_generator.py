@@ -6,6 +6,7 @@ import sys
 import numpy as np
 import pytest
 
+from examples.concealed.camera import circle_curvature
 from examples.concealed.case import make_case
 from examples.concealed.design import Joint, Tube, config_text
 from examples.concealed.draw import LEVELS, draw_world
@@ -150,6 +151,23 @@ def test_finer_steps_change_little_and_less(name, parameters):
     coarse, fine = (np.abs(loop({name: parameters}, steps)[2][::steps] - finest).max() for steps in (20, 40))
     assert coarse < 2e-3 * finest.max()
     assert fine <= 0.7 * coarse + 1e-6 * finest.max()
+
+
+def test_the_camera_fits_a_free_circle():
+    from scipy.optimize import least_squares
+
+    notches, length = 60, 30 * MM
+    along = (np.arange(notches) + 0.5) / notches
+    for profile in (1 + 0 * along, 1.3 - 0.6 * along, 0.8 + 0.6 * along**2):
+        theta = 0.6 / notches * profile[None, :]
+        angle = np.concatenate([[0.0], np.cumsum(theta[0])])
+        x = np.concatenate([[0.0], np.cumsum(np.cos(angle[:-1] + theta[0] / 2))]) * length / notches
+        y = np.concatenate([[0.0], np.cumsum(np.sin(angle[:-1] + theta[0] / 2))]) * length / notches
+        fit = least_squares(
+            lambda p, x=x, y=y: np.hypot(x - p[0], y - p[1]) / abs(p[2]) - 1, [0.0, 0.05, 0.05], x_scale=0.01
+        )
+        seen = circle_curvature(theta, 1.0, np.array([length]))[0]
+        assert seen == pytest.approx(1 / abs(fit.x[2]), rel=0.01)
 
 
 def test_hold_out_runs_are_whole_histories():
