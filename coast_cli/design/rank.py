@@ -13,9 +13,9 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from coast_cli.design.pairs import PairTable, pair_table
 from coast_cli.errors import UsageError
 from coast_cli.mechanics.pair import Assembly
+from coast_cli.mechanics.pair_table import PairTable, pair_table
 from coast_cli.mechanics.section import FloatArray, SectionKind
 from coast_cli.spec.build import Design, build
 from coast_cli.spec.config import Config
@@ -77,18 +77,26 @@ def rank(config: Config, options: RankOptions | None = None) -> Ranking:
 
 
 def pareto(costs: FloatArray) -> NDArray[np.bool_]:
-    """Return which rows of ``costs``, shape (n, k), no other row matches in every column and beats in one.
+    """Return which rows of ``costs``, shape (n, 3), no other row matches in every column and beats in one.
 
-    Rows are met in order of their sum, so each row met is undominated and strikes out what it dominates.
+    In lexicographic order of distinct rows, a row is dominated exactly where an earlier one is as low in the second and
+    third column. Each earlier row lies, at one level of halving, in the left half of a block whose right half holds the
+    later one; a level is one sort and one running minimum over all blocks (Kung, Luccio and Preparata, 1975).
     """
-    undominated = np.zeros(len(costs), dtype=bool)
-    left = np.argsort(costs.sum(axis=1), kind="stable")
-    while left.size:
-        row = costs[left[0]]
-        equal = np.all(costs[left] == row, axis=1)
-        undominated[left[equal]] = True
-        left = left[np.any(costs[left] < row, axis=1)]
-    return undominated
+    rows, place = np.unique(costs, axis=0, return_inverse=True)
+    count = len(rows)
+    second, third = (np.unique(rows[:, column], return_inverse=True)[1] for column in (1, 2))
+    index, dominated = np.arange(count), np.zeros(count, dtype=bool)
+    half = 1
+    while half < count:
+        block, in_right = index // (2 * half), index // half % 2
+        order = np.argsort((block * count + second) * 2 + in_right)
+        # Each block's values lie below all of the block before, so one running minimum starts anew in each.
+        offset = block[order] * (count + 1)
+        lowest = np.minimum.accumulate(np.where(in_right[order] == 1, count, third[order]) - offset) + offset
+        dominated[order] |= (in_right[order] == 1) & (lowest <= third[order])
+        half *= 2
+    return ~dominated[place.ravel()]
 
 
 def _with_section(design: Design, section: SectionKind | None) -> Design:
@@ -104,7 +112,7 @@ def _costs(pairs: PairTable, rigidity: Rigidity) -> FloatArray:
     ratio, total = (
         (pairs.ratio_mean, pairs.total_mean) if rigidity == "mean" else (pairs.ratio_series, pairs.total_series)
     )
-    return np.stack((pairs.total_precurvature, np.abs(np.log(ratio)), total), axis=1)
+    return np.stack([cost.ravel() for cost in (pairs.total_precurvature, np.abs(np.log(ratio)), total)], axis=1)
 
 
 def _scores(
@@ -126,7 +134,7 @@ def _reasons(design: Design, pairs: PairTable) -> NDArray[np.object_]:
     middle_radius = np.array([tube.outer_radius for tube in design.middle])
     middle_bore = np.array([tube.inner_radius for tube in design.middle])
     reasons = np.full((len(design.middle), len(design.outer)), "", dtype=object)
-    reasons[~pairs.converged.reshape(reasons.shape)] = "the beam under gravity did not converge"
+    reasons[~pairs.converged] = "the beam under gravity did not converge"
     if design.config.inner is not None:
         inner = design.config.inner.outer_diameter_mm / 2e3
         reasons[inner >= middle_bore, :] = "the inner tube does not go into the middle tube"
@@ -152,10 +160,12 @@ def _columns(
     shown = reasons.copy()
     shown[possible] = None
 
-    def figure(values: NDArray[Any]) -> NDArray[np.object_]:
-        known = values.astype(object)
-        known[~possible] = None
-        return known[order]
+    def figure(values: NDArray[Any]) -> NDArray[Any]:
+        known = values.ravel()[order]
+        if not np.all(possible):
+            known = known.astype(object)
+            known[~possible[order]] = None
+        return known
 
     return {
         "rank": np.arange(1, order.size + 1),

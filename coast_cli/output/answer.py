@@ -36,12 +36,12 @@ class Answer:
             NotConverged: naming the row and the column.
         """
         for number, row in enumerate(self.rows, start=1):
-            for name, value in row.items():
-                if isinstance(value, float) and not isfinite(value):
-                    raise NotConverged(
-                        f"{self.command}: {name} of row {number} is not a finite number ({value}): "
-                        "the input lies outside what the model can answer."
-                    )
+            if not all(isfinite(value) for value in row.values() if isinstance(value, float)):
+                name = next(name for name, value in row.items() if isinstance(value, float) and not isfinite(value))
+                raise NotConverged(
+                    f"{self.command}: {name} of row {number} is not a finite number ({row[name]}): "
+                    "the input lies outside what the model can answer."
+                )
 
 
 class Columns(Sequence[Row]):
