@@ -16,6 +16,7 @@ COMMANDS = {
     "beam": "coast_cli.cli.beam:beam",
     "check": "coast_cli.cli.check:check",
     "trace": "coast_cli.cli.trace:trace",
+    "calibrate": "coast_cli.cli.calibrate:calibrate",
     "compare": "coast_cli.cli.compare:compare",
     "diagnose": "coast_cli.cli.diagnose:diagnose",
     "validate": "coast_cli.cli.validate:validate",

@@ -82,6 +82,7 @@ def least_squares(
     robust: bool = False,
     jacobian: Callable[[Floats], Floats] | None = None,
     tolerance: float = TOLERANCE,
+    polish: bool = True,
 ) -> FitResult:
     """Minimise half the sum of squares of ``residual`` between bounds.
 
@@ -93,6 +94,7 @@ def least_squares(
         robust: Huber-like loss (soft L1) that grows linearly past residuals of 1, so weight them by their noise.
         jacobian: parameters -> [n, p]; by default three-point differences.
         tolerance: of cost, step and gradient.
+        polish: take the last Gauss-Newton steps to all digits; not for a fit that is only a start.
 
     Returns:
         The fit; a solver that did not converge is a verdict in it, not an exception.
@@ -116,7 +118,7 @@ def least_squares(
         max_nfev=MOST_EVALUATIONS,
     )
     x, fun, gradient, cost = solution.x, solution.fun, np.asarray(solution.jac), float(solution.cost)
-    if not robust and solution.status > 0:
+    if polish and not robust and solution.status > 0:
         x, fun, gradient = _polish(residual, jacobian or _differences(residual, lower, upper), x, lower, upper)
         cost = float(0.5 * fun @ fun)
     verdict = Verdict(

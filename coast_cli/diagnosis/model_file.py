@@ -12,6 +12,7 @@ from coast_cli.diagnosis.problem import CONFIG_KEYS
 
 if TYPE_CHECKING:
     from coast_cli.diagnosis.answer import Diagnosis
+    from coast_cli.diagnosis.calibration import Calibration
     from coast_cli.recordings.model import Recordings
     from coast_cli.spec.config import Config
 
@@ -40,7 +41,30 @@ def model_text(config: Config, diagnosis: Diagnosis, recordings: Recordings, nam
     corrections = {**config.corrections, **found}
     if corrections:
         document["corrections"] = corrections
-    text = "".join(f"# {line}\n" for line in _origin(config, diagnosis, recordings)) + "\n" + tomli_w.dumps(document)
+    text = _comments(_origin(config, diagnosis, recordings)) + "\n" + tomli_w.dumps(document)
+    load_config_text(text, name)
+    return text
+
+
+def calibrated_text(config: Config, calibration: Calibration, recordings: Recordings, name: str = "<model>") -> str:
+    """Return the TOML of a configuration with its calibrated numbers; it has been read back once, so it loads."""
+    from coast_cli.spec.digest import config_digest
+    from coast_cli.spec.load import load_config_text
+
+    document = config.model_dump(exclude_unset=True)
+    for estimate in calibration.whole.estimates:
+        put_number(document, estimate.parameter.key, estimate.value)
+    lines = [
+        f"Written by coast calibrate, version {__version__}.",
+        f"Configuration {config.source or '<text>'}, sha256 {config_digest(config)}",
+        *(f"Recording {path}, sha256 {digest}" for path, digest in recordings.sources),
+        *(
+            f"Fitted {one.parameter.key} = {one.value:.6g}, 90 % interval {one.low:.6g} to {one.high:.6g}"
+            for one in calibration.whole.estimates
+        ),
+        *(note for note in calibration.notes if "wants" not in note),
+    ]
+    text = _comments(lines) + "\n" + tomli_w.dumps(document)
     load_config_text(text, name)
     return text
 
@@ -80,4 +104,8 @@ def _origin(config: Config, diagnosis: Diagnosis, recordings: Recordings) -> lis
         for label, level in (("refitted", fit.refitted), ("with effects", fit.with_effects)):
             held = "none" if level.held_out is None else f"{level.held_out:.6g}"
             lines.append(f"RMS error {label}, {fit.unit}: train {level.train:.6g}, held out {held}.")
-    return ["".join(c if c.isprintable() else "?" for c in line) for line in lines]
+    return lines
+
+
+def _comments(lines: list[str]) -> str:
+    return "".join("# " + "".join(c if c.isprintable() else "?" for c in line) + "\n" for line in lines)

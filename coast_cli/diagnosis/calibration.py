@@ -1,0 +1,246 @@
+"""A calibration as it is told: values, refits of single runs and branches, and errors on runs fitted and held out.
+
+A part of the recordings that wants other values than the whole does is the sign that something is left out of the
+model; the distance is that of a part from the whole it belongs to (Hausman, Econometrica 46, 1978).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from coast_cli.diagnosis.calibrate import Fitted, Parameter, Posed, calibratable, fit, pose, refit
+from coast_cli.diagnosis.errors import UNITS, to_unit
+from coast_cli.errors import BadInput, nearest
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from coast_cli.diagnosis.calibrate import Estimate
+    from coast_cli.recordings.model import JointRun, Recordings
+    from coast_cli.spec.config import Config
+
+    Booleans = NDArray[np.bool_]
+    Row = dict[str, str | float | bool | None]
+
+EACH = "each"
+WHOLE = "all"
+CONFLICT = 3.5
+FEWEST_ROWS = 6
+BRANCHES = (("load", 1), ("release", -1))
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A refit of one run or of one branch of all runs, and how far each value lies from the whole fit's, in sigmas."""
+
+    name: str
+    fitted: Fitted
+    distance: Mapping[str, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Errors:
+    """Root mean square errors by unit, as configured and as calibrated."""
+
+    configured: Mapping[str, float]
+    calibrated: Mapping[str, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Calibration:
+    """What a calibration found.
+
+    Attributes:
+        parameters: that were asked for.
+        whole: the fit of all runs that are not held out.
+        parts: refits of single runs and branches.
+        train: errors on the runs fitted. held_out: on those held out, None where there are none.
+        held_out_runs: their names.
+        in_turn: whether each run was held out in turn; ``whole`` is then fitted to all.
+    """
+
+    parameters: tuple[Parameter, ...]
+    whole: Fitted
+    parts: tuple[Part, ...]
+    train: Errors
+    held_out: Errors | None
+    held_out_runs: tuple[str, ...]
+    in_turn: bool
+
+    def rows(self) -> list[Row]:
+        """Return a row a parameter for the whole, then for each part; the same names in each."""
+        rows = [self._row(WHOLE, self.whole, parameter, None) for parameter in self.parameters]
+        for part in self.parts:
+            names = {estimate.parameter.name for estimate in part.fitted.estimates}
+            rows += [self._row(part.name, part.fitted, p, part.distance) for p in self.parameters if p.name in names]
+        return rows
+
+    def _row(self, subset: str, fitted: Fitted, parameter: Parameter, distance: Mapping[str, float] | None) -> Row:
+        found = {estimate.parameter.name: (index, estimate) for index, estimate in enumerate(fitted.estimates)}
+        index, estimate = found.get(parameter.name, (-1, None))
+        correlation: dict[str, float | None] = {}
+        for other in self.parameters:
+            place, _ = found.get(other.name, (-1, None))
+            known = index >= 0 and place >= 0 and subset == WHOLE
+            correlation[f"correlation_{other.name}"] = float(fitted.correlation[index, place]) if known else None
+        return {
+            "parameter": parameter.name,
+            "subset": subset,
+            "status": _status(estimate),
+            "value": estimate.value if estimate else parameter.value,
+            "std": _finite(estimate.std) if estimate else None,
+            "low_90": estimate.low if estimate else None,
+            "high_90": estimate.high if estimate else None,
+            "configured": parameter.value,
+            "conflict_sigma": distance.get(parameter.name) if distance else None,
+            **correlation,
+        }
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Sentences on what could not be told, what ended on a bound, what conflicts, and how well it fits."""
+        notes = [f"{p.name} is held at its configured {p.value:g}: {reason}." for p, reason in self.whole.held]
+        for estimate in self.whole.estimates:
+            if estimate.at_bound:
+                name, value = estimate.parameter.name, estimate.value
+                notes.append(f"{name} ended on its bound {value:.6g}: it wants to go further.")
+        for part in self.parts:
+            for name, distance in part.distance.items():
+                if abs(distance) > CONFLICT:
+                    notes.append(
+                        f"{part.name} wants {name} {distance:+.1f} sigma from the whole: something that differs there is "
+                        "left out of the model; `coast diagnose` says what."
+                    )
+        notes.append(f"error on the runs fitted: {_told(self.train)}.")
+        if self.held_out is not None:
+            how = "each run in turn, predicted from the others" if self.in_turn else ", ".join(self.held_out_runs)
+            notes.append(f"error on runs held out ({how}): {_told(self.held_out)}.")
+        if not self.whole.converged:
+            notes.append("the fit did not settle: its values are where it stopped.")
+        return tuple(notes)
+
+
+def calibrate(
+    config: Config, recordings: Recordings, names: Sequence[str] = (), hold_out: Sequence[str] = ()
+) -> Calibration:
+    """Fit parameters of the base model to joint recordings.
+
+    Args:
+        names: of the parameters; by default those the configuration gives bounds, else the usual three.
+        hold_out: names of runs that are not fitted, or ``each``: every run in turn.
+
+    Raises:
+        BadInput: no joint recording, no such parameter or run, or nothing left to fit.
+    """
+    if recordings.joint is None:
+        raise BadInput("no joint recording to calibrate with", allowed="runs with a drive and a response")
+    runs = recordings.joint.runs
+    parameters = calibratable(config, names)
+    in_turn = tuple(hold_out) == (EACH,) and EACH not in recordings.run_names
+    kept_back = () if in_turn else _known(runs, hold_out)
+    train = [run for run in runs if run.name not in kept_back]
+    if not train or (in_turn and len(runs) < 2):
+        raise BadInput("every run is held out, so none is left to fit", key="--hold-out", allowed="some of the runs")
+    whole = fit(pose(config, train, parameters))
+    held_out = None
+    if in_turn:
+        held_out = _errors_in_turn(config, runs, parameters)
+    elif kept_back:
+        kept = pose(config, [run for run in runs if run.name in kept_back], parameters)
+        held_out = _errors(kept, whole.values)
+    return Calibration(
+        parameters=parameters,
+        whole=whole,
+        parts=tuple(_parts(whole, train)),
+        train=_errors(whole.posed, whole.values),
+        held_out=held_out,
+        held_out_runs=tuple(run.name for run in runs) if in_turn else kept_back,
+        in_turn=in_turn,
+    )
+
+
+def _known(runs: Sequence[JointRun], names: Sequence[str]) -> tuple[str, ...]:
+    known = [run.name for run in runs]
+    for name in names:
+        if name not in known:
+            raise BadInput(
+                "there is no such run", key="--hold-out", found=name, allowed=f"{', '.join(known)}, or {EACH}",
+                hint=nearest(name, known) or None,
+            )  # fmt: skip
+    return tuple(dict.fromkeys(names))
+
+
+def _parts(whole: Fitted, runs: Sequence[JointRun]) -> list[Part]:
+    """Refit single runs and branches, where there is more than one."""
+    subsets: dict[str, dict[str, Booleans]] = {}
+    if len(runs) > 1:
+        subsets |= {f"run {run.name}": {run.name: np.ones(len(run), bool)} for run in runs}
+    by_branch = {name: {run.name: run.direction == way for run in runs} for name, way in BRANCHES}
+    if all(sum(int(rows.sum()) for rows in branch.values()) >= FEWEST_ROWS for branch in by_branch.values()):
+        subsets |= by_branch
+    parts = []
+    for name, rows in subsets.items():
+        fitted = refit(whole, rows)
+        if fitted is not None and fitted.estimates:
+            parts.append(Part(name, fitted, _distances(whole, fitted)))
+    return parts
+
+
+def _distances(whole: Fitted, part: Fitted) -> dict[str, float]:
+    """Return how far the part's values lie from the whole's, in sigmas of their difference."""
+    of_whole = {estimate.parameter.name: estimate for estimate in whole.estimates}
+    found = {}
+    for estimate in part.estimates:
+        name = estimate.parameter.name
+        variance = max(estimate.std**2 - of_whole[name].std ** 2, 0.25 * estimate.std**2)
+        if np.isfinite(variance) and variance > 0.0:
+            found[name] = float((estimate.value - of_whole[name].value) / np.sqrt(variance))
+    return found
+
+
+def _errors(posed: Posed, values: Mapping[str, float]) -> Errors:
+    return Errors(_pooled([(posed, {})]), _pooled([(posed, values)]))
+
+
+def _errors_in_turn(config: Config, runs: Sequence[JointRun], parameters: Sequence[Parameter]) -> Errors:
+    """Predict each run from a fit to all others, and pool the errors."""
+    kept = []
+    for run in runs:
+        others = fit(pose(config, [other for other in runs if other is not run], parameters))
+        kept.append((pose(config, [run], parameters), others.values))
+    return Errors(_pooled([(posed, {}) for posed, _ in kept]), _pooled(kept))
+
+
+def _pooled(models: Sequence[tuple[Posed, Mapping[str, float]]]) -> dict[str, float]:
+    """Return the root mean square error over every recorded sample, by the unit of the response."""
+    squares: dict[str, list[tuple[float, int]]] = {}
+    for posed, values in models:
+        for problem in posed.problems:
+            for run, prediction in zip(problem.runs, posed.predictions(problem, values), strict=True):
+                error = prediction.response - run.response
+                error = error[np.isfinite(error)]
+                squares.setdefault(run.kind, []).append((float(error @ error), error.size))
+    return {
+        UNITS[kind]: to_unit(kind, float(np.sqrt(sum(s for s, _ in parts) / max(sum(n for _, n in parts), 1))))
+        for kind, parts in squares.items()
+    }
+
+
+def _status(estimate: Estimate | None) -> str:
+    if estimate is None:
+        return "held"
+    return "on its bound" if estimate.at_bound else "fitted, profiled" if estimate.profiled else "fitted"
+
+
+def _finite(value: float) -> float | None:
+    return value if np.isfinite(value) else None
+
+
+def _told(errors: Errors) -> str:
+    parts = [f"{errors.configured[unit]:.4g} as configured, {value:.4g} calibrated ({unit})"
+             for unit, value in errors.calibrated.items()]  # fmt: skip
+    return "; ".join(parts)
