@@ -36,7 +36,7 @@ def _explain(error: Exception) -> tuple[str, int]:
     if isinstance(error, CoastError):
         return str(error), error.exit_code
     if isinstance(error, TyperException):
-        return f"{str(error).rstrip('.')}. Try `coast --help`, or --help after a command.", error.exit_code
+        return f"{error.format_message().rstrip('.')}. Try `coast --help`, or --help after a command.", error.exit_code
     kind, place = type(error).__name__, _last_line(error)
     return f"internal error, please report it: {kind} at {place}: {error}", INTERNAL
 

@@ -40,8 +40,8 @@ def curves(config: Config, recordings: Recordings, diagnosis: Diagnosis) -> list
     held = [np.full(len(run), run.name in diagnosis.comparison.held_out_runs) for run in runs]
     problem = build_problem(config, runs, held)
     base = problem.predict(fit(problem).coordinates, ())
-    wanted = diagnosis.model_parameters
-    coordinates = np.array([np.log(wanted[p.name]) if p.logarithmic else wanted[p.name] for p in problem.base])
+    wanted = [(p, diagnosis.model_parameters.get(p.name, p.value)) for p in problem.base]
+    coordinates = np.array([np.log(value) if p.logarithmic else value for p, value in wanted])
     corrected = problem.predict(coordinates, diagnosis.model_effects)
     return [
         Curve(run, before.response, after.response) for run, before, after in zip(runs, base, corrected, strict=True)

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from coast_cli.diagnosis.locate import Region
     from coast_cli.output.diagnosis import DiagnosisAnswer
 
+
 def render(answer: DiagnosisAnswer, stream: IO[str]) -> None:
     """Write the diagnosis as JSON."""
     stream.write(json.dumps(document(answer), indent=2, allow_nan=False, ensure_ascii=False))

@@ -9,16 +9,17 @@ from typing import IO, TYPE_CHECKING
 from coast_cli.output.diagnosis_words import (
     HEADLINES,
     chance,
-    figure,
     gained,
     held_out,
     levels,
     measured,
     mismatch,
+    nowhere,
     others,
     percent,
     place,
     sentence,
+    tip,
     unit_of,
 )
 
@@ -101,7 +102,7 @@ def _table(names: Sequence[str], rows: Sequence[Sequence[str]]) -> Table:
 def _where(page: _Page, answer: DiagnosisAnswer) -> None:
     found = answer.diagnosis
     if not found.where:
-        page.say("Nowhere: no part of the recording holds more error than the rest.")
+        page.say(nowhere(found))
         return
     shown = found.where[:_MOST_REGIONS]
     page.table(
@@ -145,5 +146,5 @@ def _fit(page: _Page, found: Diagnosis) -> None:
     if found.effects:
         page.say(gained(fit))
     page.table((f"RMS error ({unit_of(found)})", "train", "held out", "over noise"), levels(found))
-    page.say(f"Tip: {figure(fit.tip_mm_refitted)} mm refitted, {figure(fit.tip_mm_with_effects)} mm with effects.")
+    page.say(tip(found))
     page.say(held_out(fit))

@@ -10,16 +10,17 @@ from typing import TYPE_CHECKING
 from coast_cli.output.diagnosis_words import (
     HEADLINES,
     chance,
-    figure,
     gained,
     held_out,
     levels,
     measured,
     mismatch,
+    nowhere,
     others,
     percent,
     place,
     sentence,
+    tip,
     unit_of,
 )
 
@@ -68,7 +69,7 @@ def report(answer: DiagnosisAnswer) -> str:
 def _where(answer: DiagnosisAnswer) -> str:
     found = answer.diagnosis
     if not found.where:
-        return _text("Nowhere: no part of the recording holds more error than the rest.")
+        return _text(nowhere(found))
     rows = [(place(region, answer.drive_unit), percent(region.share), chance(region.p_value)) for region in found.where]
     return _table(("region", "share of the excess", "probability by chance"), rows)
 
@@ -103,8 +104,7 @@ def _fit(found: Diagnosis) -> str:
         return _text("Nothing was fitted.")
     said = _text(gained(fit)) if found.effects else ""
     table = _table((f"RMS error ({unit_of(found)})", "train", "held out", "over noise"), levels(found))
-    tip = f"Tip: {figure(fit.tip_mm_refitted)} mm refitted, {figure(fit.tip_mm_with_effects)} mm with effects."
-    return said + table + _text(tip) + _text(held_out(fit))
+    return said + table + _text(tip(found)) + _text(held_out(fit))
 
 
 def _picture(answer: DiagnosisAnswer) -> str:

@@ -138,6 +138,22 @@ def others(found: Diagnosis) -> str:
     return "; ".join(" + ".join(ids) for ids in found.alternatives)
 
 
+def tip(found: Diagnosis) -> str:
+    """Return the errors at the tip, as a sentence."""
+    fit = found.comparison
+    if fit is None:
+        return ""
+    with_effects = f", {figure(fit.tip_mm_with_effects)} mm with effects" if found.effects else ""
+    return f"Tip: {figure(fit.tip_mm_refitted)} mm refitted{with_effects}."
+
+
+def nowhere(found: Diagnosis) -> str:
+    """Return what is said where no region is found."""
+    if found.comparison is None:
+        return "Not decided."
+    return "Nowhere: no part of the recording holds more error than the rest."
+
+
 def held_out(fit: Comparison) -> str:
     """Return what was held out, as a sentence."""
     runs = ", ".join(fit.held_out_runs)

@@ -1,0 +1,63 @@
+"""A synthetic recording to try `coast diagnose` on: `python examples/diagnose/generate.py` writes recording.csv anew.
+
+Nothing here was measured. Pair OT4/MT1 of configs/tubes.toml is pulled and released four times; the joint follows the
+paper's stroke model behind an actuator with play, which that model leaves out. Curvature noise is 0.25 per m and partly
+carried from sample to sample. The deadband is a little off from the configured one, as on any bench.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from coast_cli.mechanics.joint import curvature_from_stroke
+from coast_cli.spec.build import build
+from coast_cli.spec.load import load_config
+
+FOLDER = Path(__file__).parent
+CONFIG = FOLDER.parents[1] / "configs" / "tubes.toml"
+RECORDING = FOLDER / "recording.csv"
+
+PLAY_MM = 0.18
+DEADBAND_MM = 1.12
+NOISE_PER_M, CARRIED = 0.25, 0.5
+RATE_MM_PER_S = 0.1
+# Run, largest stroke (mm), bending length X2 (mm).
+RUNS = (("small-20", 2.6, 20.0), ("large-20", 3.8, 20.0), ("small-40", 3.0, 40.0), ("large-40", 4.6, 40.0))
+SAMPLES_A_BRANCH = 45
+
+
+def play(stroke: np.ndarray, width: float) -> np.ndarray:
+    """Return what is left of a stroke behind play: it waits at each reversal until the gap is crossed."""
+    left, state = np.empty_like(stroke), stroke[0]
+    for index, wanted in enumerate(stroke):
+        state = min(max(state, wanted), wanted + width)
+        left[index] = state
+    return left
+
+
+def rows() -> list[str]:
+    """Return the lines of the recording, the header first."""
+    random = np.random.default_rng(20_23)
+    joint = replace(build(load_config(CONFIG)).joint(), deadband=DEADBAND_MM * 1e-3)
+    lines = ["run,time_s,outer,middle,bending_length_mm,stroke_mm,curvature_per_m"]
+    for name, largest, length in RUNS:
+        up = np.linspace(0.6, largest, SAMPLES_A_BRANCH)
+        stroke = np.concatenate([up, up[-2::-1]])
+        time = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(stroke)))]) / RATE_MM_PER_S
+        bent = curvature_from_stroke(joint, play(stroke, PLAY_MM) * 1e-3, length * 1e-3).curvature
+        noise = random.normal(size=stroke.size)
+        for index in range(1, noise.size):
+            noise[index] = CARRIED * noise[index - 1] + np.sqrt(1.0 - CARRIED**2) * noise[index]
+        seen = bent + NOISE_PER_M * noise
+        lines += [
+            f"{name},{t:.2f},OT4,MT1,{length:g},{x:.4f},{kappa:.3f}"
+            for t, x, kappa in zip(time, stroke, seen, strict=True)
+        ]
+    return lines
+
+
+if __name__ == "__main__":
+    RECORDING.write_text("\n".join(rows()) + "\n", encoding="utf-8")
