@@ -51,8 +51,8 @@ def test_leaving_out_one_plane_of_the_table_changes_little(kind):
             error = interpolate(thinner, *np.meshgrid(*axes, indexing="ij")) - truth
             errors.append(np.abs(error[away_from_zero] / truth[away_from_zero]))
     pooled = np.concatenate(errors)
-    assert np.median(pooled) < RELATIVE_ERROR / 4
-    assert np.quantile(pooled, 0.95) < 3 * RELATIVE_ERROR
+    assert np.median(pooled) < RELATIVE_ERROR / 2
+    assert np.quantile(pooled, 0.95) < 4 * RELATIVE_ERROR
 
 
 def test_monotone_where_the_table_is():
