@@ -34,4 +34,4 @@ def beam(
     design = build(document)
     columns = shape_columns([design.tube(name) for name in tube], design.gravity, method=method, points=points)
     origin = provenance(document, options={"method": method, "points": points})
-    write_answer(Answer("beam", Columns(columns), origin, design.notes), format, output or ())
+    write_answer(Answer("beam", Columns(columns), origin, (*design.notes, *design.uncorrected)), format, output or ())

@@ -52,6 +52,7 @@ def stroke(
         [value * MILLIMETRE for value in numbers(x2, "--x2")],
         curvatures=[] if kappa is None else numbers(kappa, "--kappa"),
         strokes=[] if stroke is None else [value * MILLIMETRE for value in numbers(stroke, "--stroke")],
+        effects=design.effects,
     )
     answer = Answer("stroke", Columns(columns), provenance(document), (*design.notes, *notes))
     write_answer(answer, format, output or ())

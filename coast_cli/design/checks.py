@@ -73,5 +73,10 @@ def _stroke_and_strain(design: Design, limit: LimitAtPoint) -> tuple[float, floa
     if design.config.tendon is None:
         raise design.config.refuse(("checks", "max_stroke_mm"), "a stroke needs a [tendon] table")
     lengths = [limit.bending_length_mm * MILLIMETRE]
-    columns, _ = stroke_table(design.joint(), lengths, curvatures=[limit.curvature_per_m])
-    return float(columns["stroke_mm"][0]), float(columns["tendon_strain"][0])
+    columns, notes = stroke_table(
+        design.joint(), lengths, curvatures=[limit.curvature_per_m], effects=design.effects
+    )
+    stroke, strain = columns["stroke_mm"][0], columns["tendon_strain"][0]
+    if stroke is None:
+        raise NotConverged(f"checks.max_stroke_mm: {notes[0]}")
+    return float(stroke), float(strain)

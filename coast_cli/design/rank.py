@@ -188,7 +188,7 @@ def _columns(
 def _notes(
     design: Design, rigidity: Rigidity, scores: Mapping[Rigidity, FloatArray], columns: Mapping[str, Any]
 ) -> tuple[str, ...]:
-    notes = list(design.notes)
+    notes = [*design.notes, *design.uncorrected]
     if not np.isfinite(scores[rigidity]).any():
         return (*notes, "no pair can be assembled.")
     other: Rigidity = "series" if rigidity == "mean" else "mean"

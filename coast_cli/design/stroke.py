@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from coast_cli.design.loading import acting_on_load, corrected_stroke
+from coast_cli.effects.effect import Effect
 from coast_cli.errors import NotConverged, UsageError
 from coast_cli.mechanics.joint import Joint, StrokeSolution, curvature_from_stroke, stroke, tension, tip
 from coast_cli.mechanics.section import FloatArray
@@ -17,7 +19,12 @@ LARGEST_DRIVE = 1e5  # 1/m or m: a circle smaller than any tube, a tendon longer
 
 
 def stroke_table(
-    joint: Joint, bending_lengths: Sequence[float], *, curvatures: Sequence[float] = (), strokes: Sequence[float] = ()
+    joint: Joint,
+    bending_lengths: Sequence[float],
+    *,
+    curvatures: Sequence[float] = (),
+    strokes: Sequence[float] = (),
+    effects: Sequence[Effect] = (),
 ) -> tuple[dict[str, Any], tuple[str, ...]]:
     """Return the columns of a stroke table and notes on where the model is stretched.
 
@@ -26,6 +33,7 @@ def stroke_table(
         bending_lengths: X2, m.
         curvatures: 1/m; or
         strokes: X1, m, each inverted to the curvature it reaches.
+        effects: corrections of the joint; strokes are then those of the corrected model's loading branch.
 
     Raises:
         UsageError: a value the joint cannot take.
@@ -33,7 +41,11 @@ def stroke_table(
     """
     _check(joint, bending_lengths, curvatures or strokes)
     length, drive = (grid.ravel() for grid in np.meshgrid(bending_lengths, curvatures or strokes, indexing="ij"))
-    solution = _solve(joint, length, drive, inverse=bool(strokes))
+    acting, left_out = acting_on_load(effects)
+    if acting:
+        solution = corrected_stroke(joint, acting, length, drive, inverse=bool(strokes))
+    else:
+        solution = _solve(joint, length, drive, inverse=bool(strokes))
     if not solution.verdict.converged:
         raise NotConverged(f"{solution.verdict.message}.")
     tip_x, tip_y = tip(solution.curvature, length)
@@ -43,13 +55,14 @@ def stroke_table(
         "middle": [joint.middle.name] * length.size,
         "curvature_per_m": solution.curvature,
         "bending_length_mm": length / MILLIMETRE,
-        "stroke_mm": solution.stroke / MILLIMETRE if known else [None] * length.size,
-        "tension_n": solution.tension,
-        "tendon_strain": solution.tendon_strain if known else [None] * length.size,
+        "stroke_mm": _known(solution.stroke / MILLIMETRE) if known else [None] * length.size,
+        "tension_n": _known(solution.tension),
+        "tendon_strain": _known(solution.tendon_strain) if known else [None] * length.size,
         "tip_x_mm": tip_x / MILLIMETRE,
         "tip_y_mm": tip_y / MILLIMETRE,
     }
-    return columns, _notes(joint, solution.curvature)
+    closes = any(effect.id == "notch_closure" for effect in acting)
+    return columns, (*left_out, *_notes(joint, solution, closes=closes))
 
 
 def _solve(joint: Joint, length: FloatArray, drive: FloatArray, *, inverse: bool) -> StrokeSolution:
@@ -71,11 +84,23 @@ def _check(joint: Joint, lengths: Sequence[float], drives: Sequence[float]) -> N
             raise UsageError(f"bending length {length / MILLIMETRE:g} mm: allowed: {allowed}.")
 
 
-def _notes(joint: Joint, curvature: FloatArray) -> tuple[str, ...]:
+def _known(values: FloatArray) -> Sequence[float | None]:
+    """Return the values, None where no stroke holds the curvature."""
+    if not np.isnan(values).any():
+        known: Sequence[float | None] = values  # type: ignore[assignment]
+        return known
+    return [None if np.isnan(value) else float(value) for value in values]
+
+
+def _notes(joint: Joint, solution: StrokeSolution, *, closes: bool) -> tuple[str, ...]:
     notes = []
+    unheld = np.unique(solution.curvature[np.isnan(solution.tension)])
+    if unheld.size:
+        words = f"{unheld[0]:.4g}" if unheld.size == 1 else f"{unheld[0]:.4g} to {unheld[-1]:.4g}"
+        notes.append(f"no pull holds some curvatures asked for ({words} 1/m): bent further at rest, or snapping across.")
     if joint.tendon is None:
         notes.append("there is no [tendon], so stroke and tendon strain have no value.")
     closing = joint.closure_curvature
-    if float(curvature.max()) > closing:
+    if float(solution.curvature.max()) > closing and not closes:
         notes.append(f"above {closing:.4g} 1/m the faces of a notch touch, which the model leaves out.")
     return tuple(notes)

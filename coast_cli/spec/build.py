@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from coast_cli.effects.catalogue import build_effects
+from coast_cli.effects.effect import Effect
 from coast_cli.errors import BadInput, nearest
 from coast_cli.mechanics.joint import Joint, Tendon
 from coast_cli.mechanics.section import FloatArray
@@ -43,6 +45,17 @@ class Design:
         if len(self.middle) == 1 and len(self.outer) <= 1:
             return "/".join(tube.name for tube in (*self.outer, *self.middle))
         return None
+
+    @property
+    def effects(self) -> tuple[Effect, ...]:
+        """The effects of ``[corrections]``, which act on the joint."""
+        return build_effects(self.config.corrections)
+
+    @property
+    def uncorrected(self) -> tuple[str, ...]:
+        """What to say where tubes are answered for and the joint's corrections have no part."""
+        ids = ", ".join(self.config.corrections)
+        return (f"the corrections {ids} act on the joint and are left out here.",) if ids else ()
 
     def tube(self, name: str) -> NotchedTube:
         """Return the tube of that name.
@@ -85,8 +98,6 @@ class Design:
 def build(config: Config) -> Design:
     """Return the design a configuration describes."""
     notes: dict[str, None] = {}  # each once, in order
-    if config.corrections:
-        notes[f"the corrections {', '.join(config.corrections)} act on recordings only and are left out here."] = None
     outer, middle = (
         tuple(build_tube(config, tube, notes) for tube in bench_tubes(config, role)) for role in ("outer", "middle")
     )

@@ -111,9 +111,11 @@ def test_an_unknown_tube(reference):
         build(load_config(reference)).tube("OT5")
 
 
-def test_corrections_are_left_out_of_a_design_and_that_is_said(reference_text):
+def test_corrections_are_effects_of_the_joint_and_left_out_of_the_tubes(reference_text):
     design = build(load_config_text(reference_text + "\n[corrections.backlash]\nwidth_mm = 0.1\n"))
-    assert any("corrections backlash" in note for note in design.notes)
+    assert [effect.id for effect in design.effects] == ["backlash"]
+    assert "corrections backlash" in design.uncorrected[0]
+    assert build(load_config_text(reference_text)).uncorrected == ()
 
 
 def test_the_digest_is_of_what_is_said_not_of_how(reference_text):

@@ -1,0 +1,200 @@
+"""The loading branch of a joint with corrections, as a table that is read both ways: stroke, tension, curvature.
+
+It is the forward model of the diagnosis, pulled once and slowly from rest. What only time, release or the camera would
+show does not act on it. Read as straight lines between the same nodes in either direction, the inverse of the forward
+table is exact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from coast_cli.effects.catalogue import in_order
+from coast_cli.effects.effect import Effect, History
+from coast_cli.effects.stations import Stations, branch, stations_for
+from coast_cli.errors import NotConverged
+from coast_cli.mechanics.joint import Joint, StrokeSolution, curvature_from_stroke
+from coast_cli.mechanics.section import FloatArray
+from coast_cli.mechanics.verdict import Verdict
+from coast_cli.units import MILLIMETRE
+
+_FIRST_LIMIT = 64.0  # 1/m; a table reaches twice as far as the one before
+_LARGEST_CURVATURE = 1e5
+_STEP, _ACTUATOR_ERROR = 2e-6, 1e-3  # m; nodes of the stroke where the actuator has an error, and its most
+_HELD = 1e-12  # m of stroke, N of tension
+
+
+@dataclass(frozen=True, slots=True)
+class LoadingBranch:
+    """One bending length; arrays of (q,), from rest upwards.
+
+    Attributes:
+        stroke: commanded, deadband included, m; zeros without a tendon. tension: at the actuator, N.
+        stretch: of the tendon, m. curvature: mean of the segment, 1/m.
+        held: whether the joint can be held there: no further stroke, and no more tension, was needed before.
+    """
+
+    stroke: FloatArray
+    tension: FloatArray
+    stretch: FloatArray
+    curvature: FloatArray
+    held: FloatArray
+
+    def at_curvature(self, curvature: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return stroke, tension and stretch; NaN where no stroke holds the curvature."""
+        found = [np.interp(curvature, self.curvature, column) for column in (self.stroke, self.tension, self.stretch)]
+        held = np.interp(curvature, self.curvature, self.held) > 1.0 - _HELD
+        reached = (curvature >= self.curvature[0] - _HELD) & held
+        stroke, tension, stretch = (np.where(reached, column, np.nan) for column in found)
+        return stroke, tension, stretch
+
+    def at_stroke(self, stroke: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return curvature, tension and stretch; below the first stroke the joint is at rest."""
+        axis = np.maximum.accumulate(self.stroke)
+        found = (np.interp(stroke, axis, column) for column in (self.curvature, self.tension, self.stretch))
+        curvature, tension, stretch = found
+        return curvature, tension, stretch
+
+
+def acting_on_load(effects: Sequence[Effect]) -> tuple[tuple[Effect, ...], tuple[str, ...]]:
+    """Return the effects that a slow first pull could show, and notes on those that it cannot."""
+    camera = tuple(effect for effect in effects if effect.kind == "sensor")
+    timed = tuple(effect for effect in effects if effect.kind != "sensor" and "time" in effect.needs)
+    notes = []
+    if camera:
+        notes.append(f"{_ids(camera)}: of the camera, not of the robot, so left out here.")
+    if timed:
+        notes.append(f"{_ids(timed)}: acts with time, so left out of a slow first pull.")
+    return tuple(effect for effect in effects if effect not in (*camera, *timed)), tuple(notes)
+
+
+def corrected_stroke(
+    joint: Joint, effects: Sequence[Effect], bending_length: FloatArray, drive: FloatArray, *, inverse: bool
+) -> StrokeSolution:
+    """Return stroke, tension and strain of curvatures (1/m), or with ``inverse`` of strokes (m); arrays of (n,).
+
+    NaN stands where no stroke holds a curvature: the joint is bent further at rest, or snaps across it.
+
+    Raises:
+        BadInput: strokes without a tendon. NotConverged: a stroke is too large.
+    """
+    if inverse and joint.tendon is None:
+        return curvature_from_stroke(joint, drive, bending_length)
+    stroke, curvature, tension, stretch = (np.empty_like(drive) for _ in range(4))
+    for length in np.unique(bending_length):
+        rows = bending_length == length
+        wanted = drive[rows]
+        largest = float(wanted.max())
+        if inverse:
+            table = loading_branch(joint, effects, float(length), stroke=largest)
+            stroke[rows] = wanted
+            curvature[rows], tension[rows], stretch[rows] = table.at_stroke(wanted)
+        else:
+            table = loading_branch(joint, effects, float(length), curvature=largest)
+            curvature[rows] = wanted
+            stroke[rows], tension[rows], stretch[rows] = table.at_curvature(wanted)
+    strain = stretch / (1.0 if joint.tendon is None else joint.tendon.length)
+    return StrokeSolution(curvature, stroke, tension, strain, Verdict(converged=True))
+
+
+def loading_branch(
+    joint: Joint, effects: Sequence[Effect], bending_length: float, *, curvature: float = 0.0, stroke: float = 0.0
+) -> LoadingBranch:
+    """Return the branch at a bending length (m), long enough for a curvature (1/m) and a stroke (m).
+
+    Nodes do not depend on how long it is, so that both directions read the same lines.
+
+    Raises:
+        NotConverged: no curvature takes up the stroke.
+    """
+    ordered = in_order(effects)
+    for effect in ordered:
+        joint = effect.joint(joint)
+    length = float(_driven(ordered, np.zeros(1), bending_length).bending_length[0])
+    stations = stations_for(joint, ordered, length, "curvature", 1, 1.0)
+    limit, parts = _FIRST_LIMIT, list[_Nodes]()
+    while limit <= _LARGEST_CURVATURE:
+        nodes = _nodes(stations, ordered, limit)
+        at_rest = nodes.curvature[0] < limit * (1.0 - _HELD)  # else the table ends before the shape at rest
+        if at_rest:
+            parts.append(nodes.beyond(parts[-1].curvature[-1]) if parts else nodes)
+            found = _branch(_joined(parts), joint, ordered, bending_length)
+            if found.curvature.max() >= curvature and (joint.tendon is None or found.stroke.max() >= stroke):
+                return found
+        limit *= 2.0
+    wanted = f"a stroke of {stroke / MILLIMETRE:g} mm" if stroke else f"a curvature of {curvature:g} 1/m"
+    raise NotConverged(f"{wanted} lies outside what the corrected model reaches: give a smaller one.")
+
+
+@dataclass(frozen=True, slots=True)
+class _Nodes:
+    """Tension (N), mean curvature (1/m) and path of the tendon (m) along the branch, each (q,)."""
+
+    tension: FloatArray
+    curvature: FloatArray
+    path: FloatArray
+
+    def beyond(self, curvature: float) -> _Nodes:
+        """Return the nodes past a curvature."""
+        past = self.curvature > curvature
+        return _Nodes(self.tension[past], self.curvature[past], self.path[past])
+
+
+def _nodes(stations: Stations, effects: Sequence[Effect], limit: float) -> _Nodes:
+    tension, each = branch(stations, effects, 1, limit)
+    return _Nodes(tension, each @ stations.share, stations.shortening(each))
+
+
+def _joined(parts: Sequence[_Nodes]) -> _Nodes:
+    tension, curvature, path = (
+        np.concatenate([getattr(part, name) for part in parts]) for name in ("tension", "curvature", "path")
+    )
+    return _Nodes(tension, curvature, path)
+
+
+def _branch(nodes: _Nodes, joint: Joint, effects: Sequence[Effect], bending_length: float) -> LoadingBranch:
+    tension = nodes.tension
+    if joint.tendon is None:
+        nothing = np.zeros_like(tension)
+        return LoadingBranch(nothing, tension, nothing, nodes.curvature, _held(tension))
+    stretch = tension / joint.tendon.stiffness
+    for effect in effects:
+        stretch = effect.stretch(stretch, tension, joint)
+    path = nodes.path - max((effect.homing() for effect in effects), default=0.0) * nodes.path[0]
+    history = History(None, path, None, np.full_like(path, bending_length))
+    slack = sum((effect.slack(tension, history, joint) for effect in effects), np.zeros_like(tension))
+    stroke = joint.deadband + path + stretch + slack
+    ideal = LoadingBranch(stroke, tension, stretch, nodes.curvature, _held(stroke))
+    behind = _driven(effects, stroke, bending_length).drive
+    return ideal if np.array_equal(behind, stroke) else _through_actuator(ideal, effects, bending_length)
+
+
+def _through_actuator(ideal: LoadingBranch, effects: Sequence[Effect], bending_length: float) -> LoadingBranch:
+    """Return the branch over the commanded stroke, where the actuator's own error comes before the tendon."""
+    commanded = np.arange(ideal.stroke[0] - _ACTUATOR_ERROR, ideal.stroke.max(), _STEP)
+    curvature, tension, stretch = ideal.at_stroke(_driven(effects, commanded, bending_length).drive)
+    moving = np.flatnonzero(curvature > curvature[0])
+    first = max(int(moving[0]) - 1, 0) if moving.size else 0
+    used = slice(first, None)
+    return LoadingBranch(
+        commanded[used], tension[used], stretch[used], np.maximum.accumulate(curvature[used]), _held(curvature[used])
+    )
+
+
+def _driven(effects: Sequence[Effect], stroke: FloatArray, bending_length: float) -> History:
+    history = History(None, stroke, None, np.full_like(stroke, bending_length))
+    for effect in effects:
+        history = effect.drive(history)
+    return history
+
+
+def _held(drive: FloatArray) -> FloatArray:
+    """Return 1 where a drive that only rises holds the state, 0 where the state jumps across."""
+    return np.asarray(drive >= np.maximum.accumulate(drive) - _HELD, dtype=float)
+
+
+def _ids(effects: Sequence[Effect]) -> str:
+    return ", ".join(effect.id for effect in effects)
