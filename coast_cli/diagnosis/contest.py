@@ -26,10 +26,13 @@ SMALLEST = 0.35
 # Hypotheses this many nats behind the leading one still count as telling the same.
 ALIKE = 4.0
 _FITTED_SINGLES = 9
-_FITTED_NEXT = 4
+_FITTED_NEXT = 5
+_FINISHED_SINGLES = 5
+_FINISHED_NEXT = 4
+_RACE_STEPS = 4
 _GROWN_FROM = 2
 _WORTH_GROWING = 4.0
-_FLOOR = 1.25
+_FLOOR = 1.12
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,43 +80,54 @@ def run_contest(problem: Problem, most_effects: int = 5) -> Contest:
     tried: dict[frozenset[str], Hypothesis] = {frozenset(): base}
     frontier = [base]
     for size in range(1, most_effects + 1):
+        rough = _race(problem, frontier, candidates, scales, _FITTED_SINGLES if size == 1 else _FITTED_NEXT)
         grown = []
-        for parent in frontier:
-            starts = screen(problem, parent.fit, [c for c in candidates if c.id not in parent.ids], scales)
-            for effect in starts[: _FITTED_SINGLES if size == 1 else _FITTED_NEXT]:
-                key = frozenset((*parent.ids, effect.id))
-                if key in tried:
-                    continue
-                effects = in_order((*parent.fit.effects, effect))
-                tried[key] = _hypothesis(problem, fit(problem, effects, parent.fit.coordinates), scales)
-                grown.append(tried[key])
+        for started in rough[: _FINISHED_SINGLES if size == 1 else _FINISHED_NEXT]:
+            finished = _hypothesis(problem, fit(problem, started.effects, started.coordinates), scales)
+            tried[frozenset(finished.ids)] = finished
+            grown.append(finished)
         if not grown:
             break
-        grown.sort(key=lambda hypothesis: _plain_error(problem, hypothesis))
-        smaller = min(_plain_error(problem, parent) for parent in frontier)
-        if _plain_error(problem, grown[0]) > smaller - _WORTH_GROWING:
+        grown.sort(key=lambda hypothesis: _plain_error(problem, hypothesis.fit))
+        smaller = min(frontier, key=lambda parent: _plain_error(problem, parent.fit))
+        gain = _plain_error(problem, smaller.fit) - _plain_error(problem, grown[0].fit)
+        memory = grown[0].fit.evidence.memory
+        if gain * (1.0 - memory) / (1.0 + memory) < _WORTH_GROWING or _at_floor(problem, grown[0]):
             break
         frontier = grown[:_GROWN_FROM]
-        if size > 1 and _at_floor(problem, grown[0]):
-            break
     leading = _lead(problem, tried)
     ranked = sorted(tried.values(), key=lambda hypothesis: -hypothesis.score)
     return Contest(base, tuple(ranked), leading)
 
 
-def _plain_error(problem: Problem, hypothesis: Hypothesis) -> float:
+def _race(
+    problem: Problem, frontier: Sequence[Hypothesis], candidates: Sequence[type[Effect]], scales: dict[Scale, float], most: int
+) -> list[Fit]:
+    """Return the sets one effect larger than those of the frontier after a few steps each, best first."""
+    started: dict[frozenset[str], Fit] = {}
+    for parent in frontier:
+        starts = screen(problem, parent.fit, [c for c in candidates if c.id not in parent.ids], scales)
+        for effect in starts[:most]:
+            key = frozenset((*parent.ids, effect.id))
+            if key not in started:
+                effects = in_order((*parent.fit.effects, effect))
+                started[key] = fit(problem, effects, parent.fit.coordinates, steps=_RACE_STEPS, polish=False)
+    return sorted(started.values(), key=lambda fitted: _plain_error(problem, fitted))
+
+
+def _plain_error(problem: Problem, fitted: Fit) -> float:
     """Return half the white log variance times the number of samples, and its parameters' price: smaller is better."""
     count = problem.observed.size
-    error = 0.5 * count * np.log(max(hypothesis.fit.rmse, 1e-300) ** 2)
-    if problem.tension_noise is not None and hypothesis.fit.tension_residual.size:
-        witness = float(np.mean(hypothesis.fit.tension_residual**2))
-        error += 0.5 * hypothesis.fit.tension_residual.size * np.log(max(witness, 1e-300))
-    return float(error + 1.0 * hypothesis.fit.parameter_count)
+    error = 0.5 * count * np.log(max(fitted.rmse, 1e-300) ** 2)
+    if problem.tension_noise is not None and fitted.tension_residual.size:
+        witness = float(np.mean(fitted.tension_residual**2))
+        error += 0.5 * fitted.tension_residual.size * np.log(max(witness, 1e-300))
+    return float(error + 1.0 * fitted.parameter_count)
 
 
 def _at_floor(problem: Problem, hypothesis: Hypothesis) -> bool:
-    """Return whether what is left is no more than the noise that neighbouring samples show."""
-    return hypothesis.fit.rmse < _FLOOR * problem.noise
+    """Return whether what is left is no more than the noise that the recording itself shows."""
+    return hypothesis.fit.rmse < _FLOOR * problem.floor
 
 
 def _lead(problem: Problem, tried: dict[frozenset[str], Hypothesis]) -> Hypothesis:

@@ -86,7 +86,7 @@ class _Judge:
         """Return the whole answer."""
         problem, contest = self.problem, self.contest
         leading = contest.leading
-        floor = _noise_floor(problem)
+        floor = problem.floor
         structure = find_structure(problem, leading.fit)
         excess = _excess(leading.fit, floor, structure)
         explained = float(np.sqrt(max(contest.base.fit.rmse**2 - leading.fit.rmse**2, 0.0)))
@@ -233,14 +233,6 @@ class _Judge:
         return tuple(notes)
 
 
-def _noise_floor(problem: Problem) -> float:
-    """Return the noise level that the recording itself shows, SI, generous by its own uncertainty."""
-    from coast_cli.recordings.noise import recording_noise
-
-    estimate = recording_noise(problem.runs)
-    return float(estimate.level * np.exp(min(estimate.log_level_std, 0.7)))
-
-
 def _excess(fitted: Fit, floor: float, structure: Structure) -> float:
     """Return the RMS of what is neither model nor noise, SI."""
     above = np.sqrt(max(fitted.rmse**2 - floor**2, 0.0)) if fitted.rmse > _ABOVE_NOISE * floor else 0.0
@@ -266,7 +258,7 @@ def _by_importance(problem: Problem, contest: Contest) -> list[str]:
         without = tried.get(rest)
         if without is None:
             effects = tuple(effect for effect in leading.fit.effects if effect.id != identifier)
-            rmse = fit(problem, effects, leading.fit.coordinates, polish=False).rmse
+            rmse = fit(problem, effects, leading.fit.coordinates, steps=6, polish=False).rmse
         else:
             rmse = without.fit.rmse
         cost[identifier] = rmse

@@ -15,7 +15,7 @@ from coast_cli.mechanics.section import FloatArray
 _DIFFERENCE = 1e-4
 _ROUGH_STEPS = 14
 _FINE_STEPS = 5
-_GAIN = 2e-4  # relative fall of the cost under which a fit has settled
+_GAIN = 5e-4  # relative fall of the cost under which a fit has settled
 
 
 @dataclass(frozen=True, slots=True)

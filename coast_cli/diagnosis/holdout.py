@@ -14,6 +14,8 @@ from coast_cli.recordings.model import JointRun
 Booleans = NDArray[np.bool_]
 _BLOCKS = 8
 _SHORTEST_FOR_BLOCKS = 48
+_FEWEST_IN_BRANCH = 8
+_LEAST_KEPT_BACK, _MOST_KEPT_BACK = 0.15, 0.6
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +48,7 @@ def hold_out(runs: Sequence[JointRun], named: Sequence[str] = ()) -> HoldOut:
         if found:
             rule = "the last runs whose bending length, pair and directions other runs also hold, a quarter at most"
             return _whole(runs, found, rule, chosen=True)
-    return _blocks(runs)
+    return _after_first_cycle(runs) or _blocks(runs)
 
 
 def _whole(runs: Sequence[JointRun], names: tuple[str, ...], rule: str, *, chosen: bool) -> HoldOut:
@@ -71,6 +73,22 @@ def _conditions(run: JointRun) -> set[tuple[str, object]]:
     length = round(float(np.median(run.bending_length)) * 1e4)
     directions = {("direction", int(way)) for way in np.unique(run.direction) if int(np.sum(run.direction == way)) >= 3}
     return {("length", length), ("pair", run.pair), *directions}
+
+
+def _after_first_cycle(runs: Sequence[JointRun]) -> HoldOut | None:
+    """Keep back what follows the first full cycle of a run, where that is a good part of it."""
+    rows, found = [], False
+    for run in runs:
+        held = np.zeros(len(run), bool)
+        ways = [part for part in run.branches.parts if part.direction != 0 and part.stop - part.start >= _FEWEST_IN_BRANCH]
+        turns = [part.start for before, part in zip(ways, ways[1:], strict=False) if part.direction != before.direction]
+        after = turns[1] if len(turns) >= 2 else len(run)
+        if (1.0 - _MOST_KEPT_BACK) * len(run) <= after <= (1.0 - _LEAST_KEPT_BACK) * len(run):
+            held[after:] = True
+            found = True
+        rows.append(held)
+    rule = "what follows the first full cycle, as no whole run can be spared; this is weaker than a run that was not seen"
+    return HoldOut(tuple(rows), (), rule, chosen=True) if found else None
 
 
 def _blocks(runs: Sequence[JointRun]) -> HoldOut:

@@ -116,6 +116,14 @@ class Problem:
         times = [float(run.time.min()) for run in self.runs if run.time is not None and run.time.size]
         return min(times, default=0.0)
 
+    @cached_property
+    def floor(self) -> float:
+        """The noise level that the recording itself shows, SI, generous by its own uncertainty."""
+        from coast_cli.recordings.noise import recording_noise
+
+        estimate = recording_noise(self.runs)
+        return max(float(estimate.level * np.exp(min(estimate.log_level_std, 0.7))), 1e-15)
+
     def configured(self) -> FloatArray:
         """Return the base parameters as configured, in fit coordinates (p,)."""
         return np.array([np.log(p.value) if p.logarithmic else p.value for p in self.base])

@@ -17,7 +17,7 @@ from coast_cli.diagnosis.likelihood import NoiseBank
 from coast_cli.diagnosis.problem import Problem
 from coast_cli.mechanics.section import FloatArray
 
-_MOST_SAMPLES = 600
+_MOST_SAMPLES = 300
 _WIDTHS = (0.25, 0.7)
 
 

@@ -18,7 +18,7 @@ from coast_cli.mechanics.section import FloatArray
 Stage = Literal["drive", "tendon", "transmission", "structure", "sensor"]
 Kind = Literal["physics", "sensor", "parameter"]
 Need = Literal["stroke", "time", "release", "hold", "rates", "reversals", "pairs", "outer"]
-Scale = Literal["", "curvature", "strain", "closure", "tension", "duration", "response"]
+Scale = Literal["", "curvature", "strain", "closure", "tension", "duration", "response", "stroke"]
 STAGES: tuple[Stage, ...] = ("drive", "tendon", "transmission", "structure", "sensor")
 
 

@@ -1,0 +1,62 @@
+"""The catalogue of shapes: every effect that a photographed tube or pair can have, in the order in which they act."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from coast_cli.effects.shapes.base_tilt import BaseTilt
+from coast_cli.effects.shapes.camera_scale import CameraScale
+from coast_cli.effects.shapes.camera_tilt import CameraTilt
+from coast_cli.effects.shapes.chord_section import ChordSection
+from coast_cli.effects.shapes.coulomb_friction import CoulombFriction
+from coast_cli.effects.shapes.effect import ShapeEffect
+from coast_cli.effects.shapes.gravity import Gravity
+from coast_cli.effects.shapes.lens_distortion import LensDistortion
+from coast_cli.effects.shapes.local_stiffness_defect import LocalStiffnessDefect
+from coast_cli.effects.shapes.neutral_axis_offset import NeutralAxisOffset
+from coast_cli.effects.shapes.notch_depth_error import NotchDepthError
+from coast_cli.effects.shapes.notch_end_effect import NotchEndEffect
+from coast_cli.effects.shapes.precurvature_gradient import PrecurvatureGradient
+from coast_cli.effects.shapes.roll_misalignment import RollMisalignment
+from coast_cli.effects.shapes.tip_load import TipLoad
+
+SHAPE_CATALOGUE: dict[str, type[ShapeEffect]] = {
+    effect.id: effect
+    for effect in (
+        NotchDepthError,
+        ChordSection,
+        NotchEndEffect,
+        PrecurvatureGradient,
+        LocalStiffnessDefect,
+        RollMisalignment,
+        CoulombFriction,
+        NeutralAxisOffset,
+        BaseTilt,
+        TipLoad,
+        Gravity,
+        LensDistortion,
+        CameraTilt,
+        CameraScale,
+    )
+}
+
+
+def in_order(effects: Iterable[ShapeEffect]) -> tuple[ShapeEffect, ...]:
+    """Return effects in the order in which they act, whatever order they are listed in."""
+    rank = {identifier: place for place, identifier in enumerate(SHAPE_CATALOGUE)}
+    return tuple(sorted(effects, key=lambda effect: rank[effect.id]))
+
+
+def build_shape_effects(corrections: Mapping[str, Mapping[str, float]]) -> tuple[ShapeEffect, ...]:
+    """Return the effects of shapes in a ``[corrections]`` table; what only a joint has is left out.
+
+    The table was checked when it was read (``effects.catalogue.correction_parameters``).
+    """
+    effects = []
+    for identifier, values in corrections.items():
+        effect = SHAPE_CATALOGUE.get(identifier)
+        known = {parameter.name for parameter in effect.parameters} if effect else set()
+        own = {name: value for name, value in values.items() if name in known}
+        if effect is not None and own:
+            effects.append(effect(**own))
+    return in_order(effects)

@@ -1,0 +1,159 @@
+"""What a left-out effect of a shape is: it changes a tube, its pieces, the assembled beam or what the camera sees.
+
+Effects act in this order whatever order they are listed in: tube (geometry), pieces (one tube, notch by notch), beam
+(clamp, loads, gravity, in the frame of the bench), camera. Each stage is one method, the identity unless overridden.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import ClassVar, Self
+
+import numpy as np
+
+from coast_cli.effects.effect import Effect, Parameter
+from coast_cli.mechanics.section import FloatArray
+from coast_cli.mechanics.tube import NotchedTube
+
+# Which tube an effect sits on; it is chosen by comparison and never fitted.
+TUBE = Parameter("tube", 0.0, 0.0, 10_000.0, (0.0,), "0: every tube; k: the k-th of the file, outer tubes first")
+
+
+@dataclass(frozen=True, slots=True)
+class Pieces:
+    """One tube piece by piece (uncut, cut, ...), shape (2n,).
+
+    Attributes:
+        length: m. rigidity: flexural, N m^2. weight: mass per length, kg/m.
+        natural: curvature added to the tube's own, on the side to which that points, 1/m.
+        offset: of the strip's axis from the tube's, m; 0 on rings.
+    """
+
+    length: FloatArray
+    rigidity: FloatArray
+    weight: FloatArray
+    natural: FloatArray
+    offset: FloatArray
+
+    @property
+    def middle(self) -> FloatArray:
+        """Arc length of the middle of each piece, m."""
+        middle: FloatArray = np.cumsum(self.length) - self.length / 2.0
+        return middle
+
+
+@dataclass(frozen=True, slots=True)
+class Loads:
+    """What the bench does to the beam, in its frame: x along the clamp, gravity along -y.
+
+    Attributes:
+        base_angle: of the clamped tangent, rad. downward_force: at the tip, N. gravity: share of g in the plane.
+        held_curvature: curvature that friction between two tubes holds, 1/m, on pairs only.
+        axis_share: share of the strip's offset by which the line lengthens or shortens with bend.
+        roll: of the middle tube against its assembled position, rad, on pairs only.
+    """
+
+    base_angle: float = 0.0
+    downward_force: float = 0.0
+    gravity: float = 1.0
+    held_curvature: float = 0.0
+    axis_share: float = 0.0
+    roll: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """What a set of shapes holds, for choosing starts.
+
+    Attributes:
+        tubes: number (as in ``TUBE``) and name of every tube photographed.
+        length: of the longest, m. weight: of the heaviest, N. pairs: whether there is an assembled pair.
+    """
+
+    tubes: Mapping[int, str]
+    length: float
+    weight: float
+    pairs: bool
+
+
+@dataclass(frozen=True)
+class ShapeEffect(Effect):
+    """Base of the effects of shapes: every stage is the identity.
+
+    ``expected`` holds (mean, standard deviation) of parameters that physics foretells; ``of_one_tube`` marks effects
+    that may sit on one tube alone; ``on_pairs`` those that only an assembled pair can have.
+    """
+
+    expected: ClassVar[Mapping[str, tuple[float, float]]] = {}
+    of_one_tube: ClassVar[bool] = False
+    on_pairs: ClassVar[bool] = False
+
+    @classmethod
+    def fitted(cls) -> tuple[Parameter, ...]:
+        """Return the parameters that a fit moves."""
+        return tuple(parameter for parameter in cls.parameters if parameter is not TUBE)
+
+    def fitted_values(self) -> FloatArray:
+        """Return their values."""
+        return np.array([getattr(self, parameter.name) for parameter in self.fitted()])
+
+    def with_fitted(self, values: FloatArray) -> Self:
+        """Return the effect with them replaced."""
+        return replace(self, **{p.name: float(v) for p, v in zip(self.fitted(), values, strict=True)})
+
+    @classmethod
+    def reach(cls, parameter: Parameter, scene: Scene) -> float:
+        """Return what the starts of a parameter are multiples of."""
+        return 1.0
+
+    @classmethod
+    def starts(cls, scene: Scene) -> list[Self]:
+        """Return where fits are started: every start of every parameter, on every tube and on all of them."""
+        choices = []
+        for parameter in cls.parameters:
+            if parameter is TUBE:
+                alone = [float(number) for number in scene.tubes] if cls.of_one_tube and len(scene.tubes) > 1 else []
+                choices.append([0.0, *alone])
+            else:
+                size = cls.reach(parameter, scene)
+                choices.append([float(np.clip(s * size, parameter.low, parameter.high)) for s in parameter.starts])
+        names = [parameter.name for parameter in cls.parameters]
+        return [cls(**dict(zip(names, values, strict=True))) for values in product(*choices)]
+
+    @classmethod
+    def widths(cls, scene: Scene) -> FloatArray:
+        """Return the prior width of each fitted parameter: what it costs to have one."""
+        found = []
+        for parameter in cls.fitted():
+            size = cls.reach(parameter, scene)
+            most = max(abs(start * size - (parameter.null if size == 1.0 else 0.0)) for start in parameter.starts)
+            found.append(cls.expected[parameter.name][1] if parameter.name in cls.expected else 2.0 * max(most, 1e-9))
+        return np.array(found)
+
+    def acts_on(self, number: int) -> bool:
+        """Return whether the effect sits on the tube of that number."""
+        chosen = getattr(self, "tube", 0.0)
+        return chosen in (0.0, float(number))
+
+    def geometry(self, tube: NotchedTube) -> NotchedTube:
+        """Change the tube itself."""
+        return tube
+
+    def pieces(self, pieces: Pieces) -> Pieces:
+        """Change a tube's pieces."""
+        return pieces
+
+    def loads(self, loads: Loads) -> Loads:
+        """Change clamp, loads and assembly."""
+        return loads
+
+    def see(self, x: FloatArray, y: FloatArray, centre: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
+        """Change places (m) on their way through the camera; ``centre`` is the middle of the picture."""
+        return x, y
+
+    @classmethod
+    def stage_overridden(cls, name: str) -> bool:
+        """Return whether a stage is not the identity."""
+        return getattr(cls, name) is not getattr(ShapeEffect, name)

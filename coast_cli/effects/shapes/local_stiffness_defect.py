@@ -1,0 +1,63 @@
+"""Local stiffness defect: one place is softer (a cracked strip) or stiffer (solder in a notch) than the rest."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Self
+
+import numpy as np
+
+from coast_cli.effects.effect import Parameter
+from coast_cli.effects.shapes.effect import TUBE, Pieces, Scene, ShapeEffect
+from coast_cli.units import MILLIMETRE
+
+_PLACES = 24
+_SHORT, _LONG = 1.0 / 150.0, 1.0 / 25.0  # of the tube
+
+
+@dataclass(frozen=True)
+class LocalStiffnessDefect(ShapeEffect):
+    """Rigidity times a ratio over a short length round an arc length."""
+
+    arc_length_mm: float = 0.0
+    stiffness_ratio: float = 1.0
+    length_mm: float = 0.6
+    tube: float = 0.0
+
+    id = "local_stiffness_defect"
+    title = "one place softer or stiffer"
+    component = "notch"
+    stage = "structure"
+    equation = "EI(s) -> ratio EI(s) for |s - arc_length| < length/2"
+    source = "a cracked or burnt strip, solder or glue in a few notches"
+    parameters = (
+        Parameter("arc_length_mm", 0.0, 0.0, 5000.0, (1.0,), "anywhere on the tube"),
+        Parameter("stiffness_ratio", 1.0, 0.01, 50.0, (0.3, 8.0), "from a strip nearly through to a filled notch"),
+        Parameter("length_mm", 0.6, 0.05, 200.0, (1.0,), "one pitch to a few"),
+        TUBE,
+    )
+    of_one_tube = True
+    decided_by = "the same tube clamped further along, so that the place moves in the picture"
+
+    @classmethod
+    def starts(cls, scene: Scene) -> list[Self]:
+        """Return soft spots and stiff stretches at many places, on every tube."""
+        length = scene.length / MILLIMETRE
+        places = (np.arange(_PLACES) + 0.5) / _PLACES * length
+        tubes = [float(number) for number in scene.tubes] if len(scene.tubes) > 1 else [0.0]
+        kinds = ((0.3, _SHORT * length), (8.0, _LONG * length))
+        return [cls(float(p), ratio, width, tube) for tube in tubes for ratio, width in kinds for p in places]
+
+    @classmethod
+    def widths(cls, scene: Scene) -> np.ndarray:
+        """Return the prior widths: the whole tube, and a factor of what is there."""
+        length = scene.length / MILLIMETRE
+        return np.array([length, 1.0, _LONG * length])
+
+    def pieces(self, pieces: Pieces) -> Pieces:
+        """Change the compliance of every piece by the part of it that lies inside."""
+        ends = np.cumsum(pieces.length)
+        low = (self.arc_length_mm - self.length_mm / 2.0) * MILLIMETRE
+        high = (self.arc_length_mm + self.length_mm / 2.0) * MILLIMETRE
+        inside = np.clip(np.minimum(ends, high) - np.maximum(ends - pieces.length, low), 0.0, None) / pieces.length
+        return replace(pieces, rigidity=pieces.rigidity / (1.0 + inside * (1.0 / self.stiffness_ratio - 1.0)))

@@ -1,0 +1,36 @@
+"""Notch end effect: stress spreads from strip to ring over a length, which acts as extra cut length."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from coast_cli.effects.effect import Parameter
+from coast_cli.effects.shapes.effect import ShapeEffect
+from coast_cli.mechanics.end_effect import end_length
+from coast_cli.mechanics.tube import NotchedTube
+
+
+@dataclass(frozen=True)
+class NotchEndEffect(ShapeEffect):
+    """The extra cut length of every notch as a share of what 3-D solids of one cell give for its own geometry."""
+
+    table_share: float = 0.0
+
+    id = "notch_end_effect"
+    title = "stress spreads from strip to ring"
+    component = "tube"
+    stage = "structure"
+    equation = "pitch/EI = uncut/EI_1 + (cut + table_share delta(d, uncut))/EI_2"
+    source = "physics.md, left out by P: 3-D solid finite elements of one cell; mechanics/end_effect.py"
+    parameters = (Parameter("table_share", 0.0, 0.0, 4.0, (1.0,), "1: as the solid cells have it"),)
+    expected = {"table_share": (1.0, 0.3)}
+    decided_by = "tubes of another notch depth, cut or uncut length: one tube alone cannot tell it from its modulus"
+
+    def geometry(self, tube: NotchedTube) -> NotchedTube:
+        """Lengthen the cuts."""
+        if self.table_share == 0.0:
+            return tube
+        delta, _ = end_length(
+            tube.outer_radius, tube.inner_radius, tube.depth, tube.cut, tube.uncut, tube.section
+        )
+        return replace(tube, end_length=tube.end_length + self.table_share * delta)
