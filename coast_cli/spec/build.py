@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from coast_cli.effects.catalogue import build_effects
-from coast_cli.effects.effect import Effect
 from coast_cli.errors import BadInput, nearest
 from coast_cli.mechanics.joint import Joint, Tendon
 from coast_cli.mechanics.section import FloatArray
@@ -16,6 +15,9 @@ from coast_cli.spec.config import Config
 from coast_cli.spec.tubes import BenchTube, Role, assembly_fault, bench_tubes, pair_names
 from coast_cli.spec.values import nominal
 from coast_cli.units import GIGAPASCAL, MILLIMETRE
+
+if TYPE_CHECKING:
+    from coast_cli.effects.effect import Effect
 
 
 @dataclass(frozen=True)
@@ -49,6 +51,8 @@ class Design:
     @property
     def effects(self) -> tuple[Effect, ...]:
         """The effects of ``[corrections]``, which act on the joint."""
+        from coast_cli.effects.catalogue import build_effects
+
         return build_effects(self.config.corrections)
 
     @property
