@@ -8,7 +8,7 @@ are one product are found by the null space of the sensitivities and held, one a
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -34,6 +34,13 @@ if TYPE_CHECKING:
 HELD_FIRST = ("pulley_friction", "tendon_youngs_modulus_gpa", "notch_friction", "youngs_modulus_gpa", "deadband_mm")
 USUAL = ("youngs_modulus_gpa", "notch_friction", "deadband_mm")
 LOGARITHMIC = ("youngs_modulus_gpa", "tendon_youngs_modulus_gpa")
+REASON: Mapping[str, tuple[Callable[[float], float], Callable[[float], float]]] = {
+    "youngs_modulus_gpa": (lambda value: value / 10.0, lambda value: 10.0 * value),
+    "tendon_youngs_modulus_gpa": (lambda value: value / 10.0, lambda value: 10.0 * value),
+    "notch_friction": (lambda _: 1.0, lambda _: 1.2),
+    "pulley_friction": (lambda _: 0.0, lambda _: 2.0),
+    "deadband_mm": (lambda _: 0.0, lambda value: value + 20.0),
+}
 OUTLIER = 5.0
 LEVEL = 0.9
 POOR_QUADRATIC = 0.1
@@ -124,7 +131,14 @@ def calibratable(config: Config, names: Sequence[str] = ()) -> tuple[Parameter, 
             raise config.refuse(tuple(CONFIG_KEYS[name].split(".")), "cannot be fitted: the configuration has none")
     bounded = [name for name in CONFIG_KEYS if isinstance(given(name), Calibrated)]
     chosen = dict.fromkeys(names or bounded or [name for name in USUAL if given(name) is not None])
-    return tuple(Parameter(name, *config.bounds(CONFIG_KEYS[name])) for name in chosen)
+    return tuple(_within_reason(name, *config.bounds(CONFIG_KEYS[name]), given=name in bounded) for name in chosen)
+
+
+def _within_reason(name: str, value: float, low: float, high: float, *, given: bool) -> Parameter:
+    """Return a parameter with its given bounds, or with bounds that no device of this kind has exceeded."""
+    if not given:
+        low, high = max(low, REASON[name][0](value)), min(high, REASON[name][1](value))
+    return Parameter(name, value, low, high)
 
 
 @dataclass(frozen=True)
@@ -205,7 +219,9 @@ def fit(posed: Posed, start: Mapping[str, float] | None = None) -> Fitted:
     reasons: list[tuple[Parameter, str]] = []
     while True:
         free = [parameter for parameter in posed.parameters if parameter.name not in held]
-        rough = _solve(posed, free, at, held, posed.white, robust=True)
+        near = _solve(posed, free, at, held, posed.white, tolerance=ROUGH_TOLERANCE)
+        start_here = posed.values(near.x, held)
+        rough = _solve(posed, free, start_here, held, posed.white, robust=True, tolerance=ROUGH_TOLERANCE)
         if free and not all(rough.seen):
             given_up, reason = _given_up(free, rough)
             held[given_up.name] = at[given_up.name]
@@ -263,13 +279,14 @@ def _solve(
     weights: Sequence[Weights],
     *,
     robust: bool = False,
+    tolerance: float = TOLERANCE,
 ) -> FitResult:
     return least_squares(
         lambda x: posed.residual(posed.values(x, held), weights),
         np.array([parameter.inner(at[parameter.name]) for parameter in free]),
         *_bounds(free),
         robust=robust,
-        tolerance=ROUGH_TOLERANCE if robust else TOLERANCE,
+        tolerance=tolerance,
         polish=False,
     )
 
@@ -345,7 +362,7 @@ def _estimates(
         return posed.residual(posed.values(x, held), weights)
 
     lower, upper = _bounds(free)
-    inverse: Floats = np.linalg.pinv(fine.jacobian.T @ fine.jacobian, hermitian=True)
+    inverse = np.asarray(np.linalg.pinv(fine.jacobian.T @ fine.jacobian, hermitian=True), dtype=np.float64)
     half = float(t.ppf(0.5 + 0.5 * LEVEL, max(len(fine.residual) - len(fine.x), 1)))
     for index, parameter in enumerate(free):
         std, x = float(fine.std[index]), float(fine.x[index])
@@ -354,7 +371,7 @@ def _estimates(
             variance = std**2 / inverse[index, index] if inverse[index, index] > 0.0 else None
             low, high = profile_interval(residual, fine, index, lower, upper, level=LEVEL, variance=variance)
         else:
-            low, high = x - half * std, x + half * std
+            low, high = max(x - half * std, lower[index]), min(x + half * std, upper[index])
         value = parameter.outer(x)
         slope = value if parameter.name in LOGARITHMIC else 1.0
         yield Estimate(
