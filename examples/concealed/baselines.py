@@ -145,7 +145,9 @@ def true_form(world: World, data: Data, response: Array, truth: dict[str, Any]) 
         effects = {name: dict(values) for name, values in world.effects.items()}
         for (name, key), value, nominal in zip(knobs, x[free.size :], start, strict=True):
             effects[name][key] = nominal * value
-        return play_protocol(actual, world.protocol, effects, world.curvature, world.streams).response
+        return play_protocol(
+            actual, world.protocol, effects, world.curvature, world.streams, driven_for=world.actual
+        ).response
 
     good = data.train[:, None] & np.isfinite(response)
     fit = least_squares(

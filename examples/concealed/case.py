@@ -62,7 +62,7 @@ def record(world: World, seed: int, level: str, names: list[str], sizes: Mapping
             }
             for name in names
         ],
-        "twins": list(TWINS.get(names[0], ())) if names and level in ("L2", "L5") else [],
+        "twins": sorted({*world.twins, *TWINS.get(names[0], ())}) if names else [],
         "near": list(RECIPES[names[0]].near) if names else [],
         "identifiable": level not in ("L2", "L3"),
         "where": [] if not names or names[0] in OUTSIDE else where(world, played, names[0]),
@@ -79,6 +79,7 @@ def record(world: World, seed: int, level: str, names: list[str], sizes: Mapping
             "pulley_friction": world.robot.joint.pulley_friction,
             "notch_friction": world.robot.joint.notch_friction,
             "deadband_mm": world.robot.joint.deadband * 1e3,
+            "wrap_angle_rad": world.robot.joint.wrap_angle,
         },
         "bends_mm": {name: world.protocol.runs[i].length * 1e3 for i, name in enumerate(runs)},
         "protocol": {name: world.protocol.runs[i].kind for i, name in enumerate(runs)},
@@ -100,7 +101,7 @@ def further_recording(world: World, request: str, number: int) -> str:
     )
     played = play_protocol(again.actual, again.protocol, again.effects, again.curvature, again.streams)
     truth = played.response + misfit(rng, played, again)
-    files, _ = write_files(rng, again, played, camera(rng, again, truth, played), style="more_{}", one_file=True)
+    files, _ = write_files(rng, again, played, camera(rng, again, truth, played), style=request + "_{}", one_file=True)
     return files["recording.csv"]
 
 

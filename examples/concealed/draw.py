@@ -12,6 +12,7 @@ import numpy as np
 
 from examples.concealed.camera import draw_noise
 from examples.concealed.design import Robot, draw_robot
+from examples.concealed.lumped import Data, rivals
 from examples.concealed.protocol import Needs, Protocol, draw_protocol
 from examples.concealed.recipes import JOINT_EFFECTS, OUTSIDE, RECIPES, TWINS, Context
 from examples.concealed.refit import surviving
@@ -35,7 +36,7 @@ def draw_world(
             if effect in OUTSIDE
             else str(rng.choice(list(LEVELS), p=list(LEVELS.values())))
         )
-    for attempt in range(42):
+    for attempt in range(98):
         # Many protocols are tried before another effect is taken: none is rarer for being harder to show.
         names = _choose_effects(np.random.default_rng([seed, 78, attempt // 14]), level, effect)
         found = _try_world(np.random.default_rng([seed, 77, attempt]), seed, level, names)
@@ -145,10 +146,27 @@ def _try_world(
     context = _context(actual, protocol, curvature)
     world.effects = {name: RECIPES[name].draw(rng, context) for name in names}
     if level == "L2":
+        world.twins = find_rivals(world, names[0])
         return world, names, _sizes(world, names)
     wanted = {"L3": (0.5, 3.0), "L4": (8.0, 30.0)}.get(level, (3.0, 40.0))
     target = float(np.exp(rng.uniform(np.log(wanted[0]), np.log(wanted[1]))))
-    return _scale(world, names, target, wanted[0], float(rng.uniform(1.0, 4.0)))
+    found = _scale(world, names, target, wanted[0], float(rng.uniform(1.0, 4.0)))
+    if found is None or level in ("L4", "L6"):
+        return found
+    world.twins = find_rivals(world, names[0])
+    # L1 and L5 promise that the recording can tell; elsewhere a rival is part of the truth.
+    return None if world.twins and level in ("L1", "L5") else found
+
+
+def find_rivals(world: World, name: str) -> tuple[str, ...]:
+    """Other names that this recording, noise and colour considered, cannot well tell from the true one."""
+    effects = {name: world.effects[name]}
+    played = play_protocol(world.actual, world.protocol, effects, world.curvature, world.streams)
+    train = played.rows.run != (-1 if world.held_out is None else world.held_out)
+    data = Data(played.rows, played.time, played.response.mean(axis=1), train)
+    colour = {"ar": float(world.noise["correlation"]), "drift": 0.6}.get(str(world.noise["kind"]), 0.0)  # type: ignore[arg-type]
+    tension = world.protocol.has_tension
+    return tuple(rivals(name, data, world.sigma, colour, tension=tension))
 
 
 def _scale(

@@ -77,7 +77,7 @@ def judge(case: str, truth: dict[str, Any], answer: dict[str, Any]) -> Judgement
     if level == "L6":
         wrong = bool(effects and said in ("physics", "sensor") and effects[0] not in near)
     scored = _score(said, effects, group, true, truth)
-    identified = level in ("L1", "L5")
+    identified = level in ("L1", "L5") and not twins
     overlap = component = None
     if identified and first:
         overlap = _overlap(truth.get("where", []), diagnosis.get("where") or [])

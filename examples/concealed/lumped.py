@@ -15,7 +15,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from examples.concealed.refit import SCALE, START, Rows, base_response, free_parameters
+from examples.concealed.refit import START, Rows, base_response, free_parameters
 
 Array = NDArray[np.float64]
 
@@ -95,6 +95,17 @@ def _snap(data: Data, kappa: Array, p: Array) -> Array:
     return out
 
 
+def _moment_power(data: Data, power: int) -> Array:
+    """Shape of a bend at rest that grows with a power of the length, in the recording's unit."""
+    return (data.rows.length / 0.04) ** (power + (data.rows.kind == "bend"))
+
+
+def _relative_gain(data: Data) -> Array:
+    """Actuator tension for one curvature, over its mean: what tells a limit on tension from one on curvature."""
+    gains = np.array([float(joint.gain(1.0)) for joint in data.rows.joints])[data.rows.run] ** data.rows.length
+    return gains / gains.mean()
+
+
 Map = Callable[[Data, Array, Array], Array]
 Starts = tuple[tuple[float, ...], ...]
 DRIVE: dict[str, tuple[Map, Starts]] = {
@@ -116,11 +127,16 @@ RESPONSE: dict[str, tuple[Map, Starts]] = {
     "capstan_hysteresis": (lambda d, k, p: follow(d, k, k, k * np.exp(2 * abs(p[0]))), ((0.05,),)),
     "coulomb_friction": (lambda d, k, p: follow(d, k, k - abs(p[0]) * d.top, k + abs(p[0]) * d.top), ((0.03,),)),
     "tube_superelasticity": (lambda d, k, p: k + abs(p[0]) * np.maximum(k - p[1] * d.top, 0), ((0.2, 0.6), (0.2, 0.4))),
+    "tendon_superelasticity": (
+        lambda d, k, p: k + abs(p[0]) * np.maximum(k - p[1] * d.top / _relative_gain(d), 0),
+        ((0.2, 0.6), (0.2, 0.4)),
+    ),
     "notch_closure": (lambda d, k, p: k - abs(p[0]) * np.maximum(k - p[1] * d.top, 0), ((0.2, 0.7), (0.2, 0.5))),
     "snap_through": (_snap, ((0.5, 0.1), (0.65, 0.1))),
-    "precurvature": (lambda d, k, p: k + p[0] * d.top, ((0.03,),)),
-    "tip_load": (lambda d, k, p: k + p[0] * d.top * d.rows.length / 0.04, ((0.03,),)),
-    "gravity": (lambda d, k, p: k + p[0] * d.top * (d.rows.length / 0.04) ** 2, ((0.03,),)),
+    "precurvature": (lambda d, k, p: k + p[0] * d.top * _moment_power(d, 0), ((0.03,),)),
+    "camera_offset": (lambda d, k, p: k + p[0] * d.top, ((0.03,),)),
+    "tip_load": (lambda d, k, p: k + p[0] * d.top * _moment_power(d, 1), ((0.03,),)),
+    "gravity": (lambda d, k, p: k + p[0] * d.top * _moment_power(d, 2), ((0.03,),)),
     "bending_length_offset": (lambda d, k, p: k * (1 + p[0] * 0.01 / d.rows.length), ((0.03,),)),
     "distributed_notch_friction": (lambda d, k, p: k / (1 + np.abs(p[0] * k) / d.top), ((0.1,),)),
     "thermal_drift": (lambda d, k, p: k * (1 + p[0] * d.elapsed()) + p[1] * d.top * d.elapsed(), ((0.03, 0.0),)),
@@ -142,7 +158,7 @@ class Fit:
     parameters: int
 
 
-def fit_form(name: str | None, data: Data) -> Fit:
+def fit_form(name: str | None, data: Data, spread: float | None = None) -> Fit:
     """Return base parameters and one form (or none) fitted by robust least squares to the training rows."""
     from dataclasses import replace
 
@@ -150,7 +166,7 @@ def fit_form(name: str | None, data: Data) -> Fit:
 
     free = free_parameters(data.rows)
     good = data.train & np.isfinite(data.target)
-    spread = max(1.4826 * float(np.median(np.abs(np.diff(data.target[good])))) / np.sqrt(2), 1e-3)
+    spread = spread or max(1.4826 * float(np.median(np.abs(np.diff(data.target[good])))) / np.sqrt(2), 1e-3)
 
     def model(x: Array) -> Array:
         base = START.copy()
@@ -179,4 +195,47 @@ def fit_form(name: str | None, data: Data) -> Fit:
     return Fit(name or "none", fitted, rss, len(best))
 
 
-__all__ = ["FORMS", "SCALE", "Data", "Fit", "fit_form"]
+# Forms that can stand in for another one when the protocol is poor; those that a tension column settles come second.
+CLOSE: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+    "capstan_hysteresis": (("tendon_permanent_set", "sensor_lag"), ("coulomb_friction", "backlash")),
+    "coulomb_friction": (("tendon_permanent_set", "sensor_lag"), ("capstan_hysteresis", "backlash")),
+    "backlash": (("tendon_permanent_set", "sensor_lag"), ("capstan_hysteresis", "coulomb_friction")),
+    "tendon_superelasticity": ((), ("tube_superelasticity",)),
+    "tube_superelasticity": ((), ("tendon_superelasticity",)),
+    "tendon_creep": (("thermal_drift", "sensor_lag", "tendon_permanent_set"), ("coulomb_friction",)),
+    "tendon_permanent_set": (("thermal_drift", "tendon_creep"), ("capstan_hysteresis", "coulomb_friction", "backlash")),
+    "snap_through": (("tube_superelasticity", "coulomb_friction"), ()),
+    "precurvature": (("camera_offset", "tip_load", "bending_length_offset"), ()),
+    "camera_offset": (("precurvature", "tip_load", "bending_length_offset"), ()),
+    "tip_load": (("precurvature", "gravity", "camera_offset"), ()),
+    "gravity": (("tip_load", "precurvature", "camera_offset"), ()),
+    "bending_length_offset": (("camera_offset", "precurvature", "tip_load"), ()),
+    "thermal_drift": (("tendon_creep", "tendon_permanent_set"), ()),
+    "sensor_lag": (("coulomb_friction", "capstan_hysteresis", "backlash", "tendon_creep"), ()),
+}
+EVIDENCE = 30.0
+
+
+def rivals(name: str, data: Data, sigma: float, correlation: float, *, tension: bool) -> list[str]:
+    """Forms that fit a noiseless response about as well as the named effect's own form does.
+
+    As well means: with this noise, coloured as it is, the difference in squared error stays below `EVIDENCE`.
+    """
+    if name not in CLOSE or name not in FORMS:
+        return []
+    always, settled = CLOSE[name]
+    candidates = always if tension else (*always, *settled)
+    if data.rows.kind == "notch":
+        candidates = tuple(other for other in settled if other != "backlash")
+    if not candidates:
+        return []
+    independent = int(data.train.sum()) * (1 - correlation) / (1 + correlation)
+    own = fit_form(name, data, sigma).rss
+    return [
+        other
+        for other in candidates
+        if (fit_form(other, data, sigma).rss - own) * independent / data.train.sum() < EVIDENCE
+    ]
+
+
+__all__ = ["FORMS", "Data", "Fit", "fit_form", "rivals"]

@@ -46,7 +46,7 @@ def run(out: Path, jobs: int = 2) -> int:
     held_out = json.loads((out / "held_out.json").read_text(encoding="utf-8"))
     answers = out / "answers"
     answers.mkdir(exist_ok=True)
-    waiting = [case for case in cases if not (answers / f"{case.name}.json").exists()]
+    waiting = [case for case in cases if not _answered(answers / f"{case.name}.json")]
     sys.stderr.write(f"{len(cases) - len(waiting)} of {len(cases)} answered already\n")
     pool = ThreadPoolExecutor(max(jobs, 1))
     try:
@@ -63,6 +63,11 @@ def run(out: Path, jobs: int = 2) -> int:
     return len(waiting)
 
 
+def _answered(path: Path) -> bool:
+    """Return whether a case has its answer: one that ended without is asked again."""
+    return path.exists() and json.loads(path.read_text(encoding="utf-8"))["diagnosis"] is not None
+
+
 def answer(out: Path, case: Path, held_out: list[str]) -> None:
     """Ask once, and once more with the recording that the first answer proposed.
 
@@ -74,8 +79,9 @@ def answer(out: Path, case: Path, held_out: list[str]) -> None:
         asked = requests(str(first["diagnosis"].get("next_recording") or ""))
         first["requested"] = asked
         if asked:
-            # One proposed recording, as the aim says: the first thing the words ask for.
-            first["second"] = ask(case, [*sorted(case.glob("*.csv")), shelf / f"{asked[0]}.csv"], held_out, None)
+            # One proposed recording holds all the runs its words ask for.
+            more = [shelf / f"{request}.csv" for request in asked]
+            first["second"] = ask(case, [*sorted(case.glob("*.csv")), *more], held_out, None)
     target = out / "answers" / f"{case.name}.json"
     partial = target.with_suffix(".partial")
     partial.write_text(json.dumps(first, sort_keys=True), encoding="utf-8")

@@ -147,11 +147,8 @@ def _try_shape(rng: np.random.Generator, seed: int, level: str, effect: str | No
     for _ in range(200):
         robot = draw_stock(rng)
         runs = draw_runs(rng, robot)
-        if level == "L2":
-            fits = single_tubes(runs) and tube_count(runs) == 1
-        else:
-            fits = recipe is not None and recipe.needs(runs)
-        if fits:
+        alone = single_tubes(runs) and tube_count(runs) == 1
+        if alone if level == "L2" else recipe is not None and recipe.needs(runs):
             break
     else:
         return None

@@ -30,6 +30,7 @@ class World:
     protocol: Protocol
     streams: list[int] = field(default_factory=list)
     held_out: int | None = None
+    twins: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -52,14 +53,26 @@ def drive_range(joint: Joint, plan: RunPlan, curvature: float, protocol: Protoco
     return max(low, 0.0), float(top)
 
 
-def play_protocol(actual: Robot, protocol: Protocol, effects: Effects, curvature: float, seed: Sequence[int]) -> Played:
-    """Return the noiseless recording of every run; the same seed gives the same notches whatever the effects are."""
+def play_protocol(
+    actual: Robot,
+    protocol: Protocol,
+    effects: Effects,
+    curvature: float,
+    seed: Sequence[int],
+    *,
+    driven_for: Robot | None = None,
+) -> Played:
+    """Return the noiseless recording of every run; the same seed gives the same notches whatever the effects are.
+
+    The drive spans what `driven_for` (the robot itself by default) needs for `curvature`.
+    """
     joints, index, drives, lengths, times, tensions, responses = [], [], [], [], [], [], []
     for number, plan in enumerate(protocol.runs):
         rng = np.random.default_rng([*seed, number])
         joint = actual.pair(plan.outer, plan.middle)
         share = rng.uniform(0.82, 1.0)
-        low, high = drive_range(joint, plan, curvature * share, protocol, rng.uniform(0.04, 0.2))
+        reference = (driven_for or actual).pair(plan.outer, plan.middle)
+        low, high = drive_range(reference, plan, curvature * share, protocol, rng.uniform(0.04, 0.2))
         drive = low + (high - low) * plan.fraction
         notch_rng = np.random.default_rng([*seed, 1000 + number])
         if effects:
