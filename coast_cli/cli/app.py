@@ -16,6 +16,7 @@ COMMANDS = {
     "beam": "coast_cli.cli.beam:beam",
     "check": "coast_cli.cli.check:check",
     "trace": "coast_cli.cli.trace:trace",
+    "recordings": "coast_cli.cli.recordings:recordings",
     "calibrate": "coast_cli.cli.calibrate:calibrate",
     "compare": "coast_cli.cli.compare:compare",
     "diagnose": "coast_cli.cli.diagnose:diagnose",

@@ -42,7 +42,7 @@ class Branches:
 
     Attributes:
         direction: how the drive moved to reach each sample, [n]: +1 load, -1 release, 0 hold.
-        cycle: [n], counts from 0; a new cycle begins with each load that follows a release.
+        cycle: [n], counts from 0; a new cycle begins with each load after the first.
         parts: the stretches of one direction, in order.
         drive_noise: standard deviation of the noise on the drive, in its unit (0 for a commanded drive).
     """
@@ -206,12 +206,12 @@ def _branches(direction: Integers, noise: float) -> Branches:
     edges = [0, *(1 + np.flatnonzero(np.diff(direction))).tolist(), len(direction)]
     cycle = np.zeros(len(direction), dtype=np.int64)
     parts: list[Branch] = []
-    current, released = 0, False
+    current, loaded, last = 0, False, 0
     for start, stop in itertools.pairwise(edges):
         towards = int(direction[start])
-        if towards > 0 and released:
-            current, released = current + 1, False
-        released = released or towards < 0
+        if towards > 0 and last <= 0:
+            current, loaded = current + int(loaded), True
+        last = towards or last
         parts.append(Branch(start, stop, towards, current))
         cycle[start:stop] = current
     return Branches(direction, cycle, tuple(parts), noise)

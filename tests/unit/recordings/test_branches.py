@@ -28,7 +28,12 @@ def test_load_and_release_of_a_commanded_drive():
 
 def test_a_release_first_then_cycles():
     branches = find_branches(ramp(2.0, 0.0, 3.0, 0.0, 3.0))
-    assert [(part.direction, part.cycle) for part in branches.parts] == [(-1, 0), (1, 1), (-1, 1), (1, 2)]
+    assert [(part.direction, part.cycle) for part in branches.parts] == [(-1, 0), (1, 0), (-1, 0), (1, 1)]
+
+
+def test_a_hold_inside_a_load_begins_no_cycle():
+    drive = np.concatenate((ramp(0.0, 3.0), np.full(40, 3.0), ramp(3.0, 5.0)[1:]))
+    assert [(part.direction, part.cycle) for part in find_branches(drive).parts] == [(1, 0), (0, 0), (1, 0)]
 
 
 def test_a_small_reversal_of_a_commanded_drive_counts():

@@ -1,0 +1,190 @@
+"""What is in a recording, run by run, and what it can and cannot decide."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from coast_cli.recordings.noise import MOST_SAMPLES, Series, pooled_noise, run_noise
+from coast_cli.units import DEGREE, MILLIMETRE
+
+if TYPE_CHECKING:
+    from coast_cli.recordings.model import JointRun, Recordings, ShapeRun
+
+    Row = dict[str, str | float | int | None]
+
+UNITS = {"curvature": ("curvature_per_m", 1.0), "bend": ("bend_deg", DEGREE), "notch": ("notch_deg", DEGREE)}
+SHORTEST_BRANCH = 5
+SAME_LENGTH = 0.02
+SAME_RATE = 1.5
+LONG_MOVE = 0.25
+SAME_DRIVE = 0.05
+NOISE_BUDGET, FEWEST_FOR_NOISE = 40_000, 400  # samples over all runs, and in one
+
+
+def summary_rows(recordings: Recordings) -> list[Row]:
+    """Return a row a run, joints first; the same names in each, None where one does not apply."""
+    joint = recordings.joint.runs if recordings.joint else ()
+    shape = recordings.shape.runs if recordings.shape else ()
+    most = min(MOST_SAMPLES, max(FEWEST_FOR_NOISE, NOISE_BUDGET // max(len(joint), 1)))
+    return [*(_joint_row(run, most) for run in joint), *(_shape_row(run) for run in shape)]
+
+
+def _joint_row(run: JointRun, most_samples: int) -> Row:
+    branches = run.branches
+    response, unit = UNITS[run.kind]
+    drive, drive_unit = ("stroke_mm", MILLIMETRE) if run.stroke is not None else ("tension_n", 1.0)
+    noise = run_noise(run, most_samples=most_samples)
+    seconds = None if run.time is None else float(run.time[-1] - run.time[0])
+    return {
+        "run": run.name,
+        "pair": run.pair,
+        "n": len(run),
+        "dropped": int((~run.valid).sum()),
+        "drive": drive,
+        "drive_from": float(run.drive.min()) / drive_unit,
+        "drive_to": float(run.drive.max()) / drive_unit,
+        "bending_length_from_mm": float(run.bending_length.min()) / MILLIMETRE,
+        "bending_length_to_mm": float(run.bending_length.max()) / MILLIMETRE,
+        "response": response,
+        "response_to": float(np.nanmax(np.abs(run.response))) / unit,
+        "load": int((run.direction > 0).sum()),
+        "release": int((run.direction < 0).sum()),
+        "hold": int((run.direction == 0).sum()),
+        "cycles": branches.cycles,
+        "duration_s": seconds,
+        "noise": noise.level / unit,
+        "noise_std": noise.level_std / unit if np.isfinite(noise.level_std) else None,
+        "noise_correlation": noise.correlation,
+        "quantum": noise.quantum / unit,
+        "outlier_share": noise.outlier_share,
+    }
+
+
+def _shape_row(run: ShapeRun) -> Row:
+    noise = pooled_noise([Series(run.x), Series(run.y)])
+    row: Row = dict.fromkeys(_joint_names())
+    row |= {
+        "run": run.name,
+        "pair": run.pair,
+        "n": len(run),
+        "dropped": 0,
+        "response": "shape_mm",
+        "response_to": float(np.hypot(run.x - run.x[0], run.y - run.y[0]).max()) / MILLIMETRE,
+        "noise": noise.level / MILLIMETRE,
+        "noise_std": noise.level_std / MILLIMETRE if np.isfinite(noise.level_std) else None,
+        "noise_correlation": noise.correlation,
+        "quantum": noise.quantum / MILLIMETRE,
+        "outlier_share": noise.outlier_share,
+    }
+    return row
+
+
+def _joint_names() -> tuple[str, ...]:
+    return (
+        "run", "pair", "n", "dropped", "drive", "drive_from", "drive_to", "bending_length_from_mm",
+        "bending_length_to_mm", "response", "response_to", "load", "release", "hold", "cycles", "duration_s", "noise",
+        "noise_std", "noise_correlation", "quantum", "outlier_share",
+    )  # fmt: skip
+
+
+def can_decide(recordings: Recordings) -> tuple[str, ...]:
+    """Return sentences on what the recordings can and cannot decide, and what to record for the rest."""
+    joint = recordings.joint.runs if recordings.joint else ()
+    shape = recordings.shape.runs if recordings.shape else ()
+    return (*_about_joints(joint), *_about_shapes(shape))
+
+
+def _about_joints(runs: Sequence[JointRun]) -> list[str]:
+    if not runs:
+        return []
+    return [sentence for about in (_history, _clock, _lengths, _drives, _repeats, _noise) for sentence in about(runs)]
+
+
+def _history(runs: Sequence[JointRun]) -> list[str]:
+    released = [run for run in runs if (run.direction < 0).sum() >= SHORTEST_BRANCH]
+    holds = any(len(run.branches.holds) and (run.direction == 0).sum() >= SHORTEST_BRANCH for run in runs)
+    cycles = max(run.branches.cycles for run in runs)
+    found = []
+    if not released:
+        found.append("loading only: friction, play and what else shows on release cannot be decided; record a release.")
+    else:
+        found.append(f"release is recorded in {len(released)} of {len(runs)} runs: friction and play can be decided.")
+        if cycles < 2:
+            found.append(
+                "no run loads a second time: slack or set that the first load leaves behind cannot be decided."
+            )
+    if not holds:
+        found.append("the drive never holds: creep cannot be decided; hold the largest stroke for a minute.")
+    return found
+
+
+def _clock(runs: Sequence[JointRun]) -> list[str]:
+    untimed = [run for run in runs if run.time is None]
+    if untimed:
+        where = "no clock" if len(untimed) == len(runs) else f"no clock in {len(untimed)} of {len(runs)} runs"
+        return [f"{where}: nothing about rate or time (lag, creep, drift) can be concluded."]
+    rates = []
+    for run in runs:
+        for part in run.branches.moves:
+            stretch = slice(part.start, part.stop)
+            seconds = float(np.ptp(run.time[stretch])) if run.time is not None else 0.0
+            travel = float(np.ptp(run.drive[stretch]))
+            if seconds > 0.0 and travel > LONG_MOVE * float(np.ptp(run.drive)):
+                rates.append(travel / seconds)
+    if len(rates) > 1 and max(rates) > SAME_RATE * min(rates):
+        return [f"rates differ by {max(rates) / min(rates):.1f} times: a lag of the camera can be told from friction."]
+    return ["one rate only: a lag of the camera cannot be told from friction; repeat a loop at a third of the speed."]
+
+
+def _lengths(runs: Sequence[JointRun]) -> list[str]:
+    by_pair: dict[str, list[JointRun]] = {}
+    for run in runs:
+        by_pair.setdefault(run.pair, []).append(run)
+    spans = [np.concatenate([run.bending_length for run in members]) for members in by_pair.values()]
+    widest = max(spans, key=lambda lengths: float(np.ptp(lengths) / lengths.max()))
+    if np.ptp(widest) < SAME_LENGTH * widest.max():
+        return ["one bending length: notch friction and an offset of X2 hide in the modulus; record a second X2."]
+    low, high = widest.min() / MILLIMETRE, widest.max() / MILLIMETRE
+    return [f"bending lengths from {low:g} to {high:g} mm: notch friction can be told from the modulus."]
+
+
+def _drives(runs: Sequence[JointRun]) -> list[str]:
+    if all(run.stroke is None for run in runs):
+        return ["driven by tension: nothing about the tendon's stretch or the deadband can be decided."]
+    if any(run.stroke is not None and run.tension is None for run in runs):
+        return ["stroke without tension: joint modulus, pulley friction and tendon modulus are one product."]
+    return ["stroke and tension: the tendon's stretch can be told from what bends the tubes."]
+
+
+def _repeats(runs: Sequence[JointRun]) -> list[str]:
+    if len(runs) == 1:
+        return ["one run: held out are blocks of it, which is weaker than a run of its own."]
+    groups: dict[tuple[str, int], list[float]] = {}
+    for run in runs:
+        key = (run.pair, round(float(np.median(run.bending_length)) * 1e4))
+        groups.setdefault(key, []).append(float(run.drive.max()))
+    repeated = max(
+        sum(abs(one - other) <= SAME_DRIVE * abs(one) for other in group) for group in groups.values() for one in group
+    )
+    return [f"{repeated} runs repeat one another: one of them can be held out."] if repeated > 1 else []
+
+
+def _noise(runs: Sequence[JointRun]) -> list[str]:
+    worst = max((run_noise(run, most_samples=FEWEST_FOR_NOISE) for run in runs), key=lambda noise: noise.log_level_std)
+    return [f"noise, where it is least sure: {worst.words}."]
+
+
+def _about_shapes(runs: Sequence[ShapeRun]) -> list[str]:
+    if not runs:
+        return []
+    sides: dict[str, set[str | None]] = {}
+    for run in runs:
+        sides.setdefault(run.pair, set()).add(run.natural)
+    one_way = [pair for pair, ways in sides.items() if not {"up", "down"} <= ways]
+    if one_way:
+        names = ", ".join(one_way)
+        return [f"{names}: one way up only, so natural curvature cannot be told from sag; turn the tube over."]
+    return ["each tube lies both ways up: natural curvature can be told from sag."]
