@@ -60,9 +60,7 @@ def solve_share(
 
     def run(low: int, high: int) -> None:
         part = slice(low, high)
-        kernel(
-            *(p[part] for p in pieces), np.stack([v[part] for v in loads]), chosen, tips[:, part], solved[part]
-        )
+        kernel(*(p[part] for p in pieces), np.stack([v[part] for v in loads]), chosen, tips[:, part], solved[part])
 
     with ThreadPoolExecutor(threads) as pool:
         list(pool.map(run, bounds[:-1], bounds[1:]))
@@ -185,7 +183,7 @@ def _load_numbers(cells, loads, number, plain):  # type: ignore[no-untyped-def] 
             number[j] += (compliance - 0.5 * cells[i, 1, j]) * cells[i, 0, j] * force
             compliance -= cells[i, 1, j]
             moment += cells[i, 0, j] * force
-            by_force = sqrt(cells[i, 0, j] * cells[i, 1, j] * force)
+            by_force = 2.0 * sqrt(cells[i, 0, j] * cells[i, 1, j] * force)
             plain[j] &= max(abs(cells[i, 2, j]) + cells[i, 1, j] * moment, by_force) <= COARSE_TURN
 
 
@@ -200,7 +198,7 @@ def _fine_enough(pieces, loads, state, largest, plain):  # type: ignore[no-untyp
             state[3, j] += abs(pieces[i, 3, j])
     for j in range(LANES):
         force = state[3, j] + sqrt(loads[1, j] ** 2 + loads[2, j] ** 2)
-        most = max(state[2, j] + state[1, j] * largest[j], sqrt(state[0, j] * state[1, j] * force))
+        most = max(state[2, j] + state[1, j] * largest[j], 2.0 * sqrt(state[0, j] * state[1, j] * force))
         plain[j] &= most <= FINE_TURN
 
 

@@ -19,7 +19,7 @@ from coast_cli.mechanics.section import FloatArray
 
 Piece = tuple[Number, Number, Number, Number]
 
-_MOST_PARTS = 1000  # of one piece
+_MOST_PARTS = 20_000  # of one piece
 _FEW_TRIALS = 16
 
 
@@ -98,9 +98,9 @@ class BeamProblem:
         """Return into how many equal pieces to cut each piece so that none turns by more than ``turn`` (rad).
 
         ``moment`` bounds the internal moment, N m, and broadcasts to the pieces. The force counts too, since a step's
-        series runs in its square root: sqrt(h^2 P/B).
+        series runs in its square root: 2 sqrt(h^2 P/B).
         """
-        by_force = np.sqrt(self.length * self.flexibility * self.force_bound)
+        by_force = 2.0 * np.sqrt(self.length * self.flexibility * self.force_bound)
         most = np.maximum(np.abs(self.bend) + self.flexibility * moment, by_force)
         parts: NDArray[np.int64] = np.ceil(np.max(most, axis=1, initial=0.0) / turn).astype(np.int64)
         return np.clip(parts, 1, _MOST_PARTS)

@@ -2,7 +2,7 @@
 
 Equations (3)-(7) of P, "Model-based Design of the COAST Guidewire Robot for Large Deflection" (RA-L 2023). The weight
 is applied in steps; each step takes the moment of its share of the weight on the shape of the step before, and finds
-the shape of that moment from H(x) = integral of the curvature over the projected length, which is the sine of the angle.
+the shape of that moment from H(x) = integral of the curvature over the projected length, the sine of the angle.
 Piece by piece the search for the projected length at which the arc length is right has a closed form: a piece of
 constant curvature keeps its length. H(x) has no place for a tangent past 90 degrees.
 """

@@ -16,7 +16,7 @@ from coast_cli.mechanics.beam_problem import BeamProblem, Trace, march_shape, ma
 from coast_cli.mechanics.beam_start import Start, find_start
 from coast_cli.mechanics.section import FloatArray
 
-FINE_TURN = 0.05  # rad a step at most: it then errs by less than 1e-14 of its length
+FINE_TURN = 0.04  # rad a step at most: a beam then errs by 1e-12 of its length
 LAST_CHANGE = 1e-7  # rad; a last correction this small is applied to first order
 CLAMP_TOLERANCE = 1e-10  # rad
 _MOST_STEPS = 30
@@ -61,6 +61,18 @@ def solve_problem(problem: BeamProblem) -> Equilibria:
         equilibria=np.ones(count, dtype=np.int64),
         turned_at=np.ones(count),
     )
+    _solve_into(problem, result)
+    lost = ~np.all(
+        [np.isfinite(table).all(axis=0) for table in (result.x, result.y, result.angle, result.moment)], axis=0
+    )
+    result.converged[lost] = False
+    for table in (result.x, result.y, result.angle, result.moment):
+        table[:, lost] = 0.0
+    result.residual[~np.isfinite(result.residual)] = np.pi
+    return result
+
+
+def _solve_into(problem: BeamProblem, result: Equilibria) -> None:
     start = find_start(problem)
     result.equilibria[:], result.turned_at[:] = start.equilibria, start.turned_at
     level = _fineness(problem, start)
@@ -68,14 +80,13 @@ def solve_problem(problem: BeamProblem) -> Equilibria:
         alike = np.flatnonzero(start.found & (level == fineness))
         for beams in np.array_split(alike, -(-alike.size // _TOGETHER)):
             _solve_alike(problem.picked(beams), start.picked(beams), result, beams, divide=bool(fineness > 0))
-    return result
 
 
 def _fineness(problem: BeamProblem, start: Start) -> NDArray[np.int64]:
     """Return the power of two by which the longest turn exceeds one step; beams of one power are cut alike."""
     softest = np.max(problem.flexibility, axis=0)
     force = np.sum(np.abs(problem.load), axis=0) + np.hypot(problem.thrust, problem.shear)
-    by_force = np.sqrt(np.max(problem.length, axis=0) * softest * force)
+    by_force = 2.0 * np.sqrt(np.max(problem.length, axis=0) * softest * force)
     most = np.maximum(np.max(np.abs(problem.bend), axis=0) + softest * start.moment, by_force)
     level: NDArray[np.int64] = np.ceil(np.log2(np.maximum(most / FINE_TURN, 1.0))).astype(np.int64)
     return level

@@ -27,6 +27,7 @@ SURVEY, _FINE_SURVEY = np.linspace(-1.0, 1.0, 17), np.linspace(-1.0, 1.0, 129)
 _FURTHEST_TURN = 4.0 * np.pi  # rad, searched for other equilibria
 SHARES = np.linspace(0.125, 1.0, 8) ** 2  # of the load, closer at first, where the tip moves fastest
 LEAST_SLOPE = 0.1  # of the clamp's angle by the tip's; zero at a fold
+_MOST_TURN = 300.0  # rad, of a beam without force
 SMOOTH = 0.4  # rad by which a step of the load may miss its prediction
 
 
@@ -56,7 +57,8 @@ class Start:
 def find_start(problem: BeamProblem) -> Start:
     """Return where to start each of m beams."""
     coarse = problem.coarse(COARSE_CELLS)
-    number = coarse.load_number
+    natural = np.sum(np.abs(coarse.bend) + coarse.flexibility * np.abs(coarse.moment), axis=0)
+    number = np.where(natural <= _MOST_TURN, coarse.load_number, np.inf)
     start = Start(
         tip_angle=np.array(coarse.unloaded_tip_angle),
         slope=np.ones(coarse.count),

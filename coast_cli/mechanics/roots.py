@@ -36,6 +36,7 @@ def increasing_root(
         inside = (newton > low) & (newton < high)
         halved = 0.5 * (np.where(bracketed, low, x) + np.where(bracketed, high, x))
         new = np.where(inside | ~bracketed | (value == 0.0), newton, halved)
+        new = np.where(np.isfinite(new), new, x)
         change = np.abs(new - x)
         x = new
         if not np.any(change > tolerance):
