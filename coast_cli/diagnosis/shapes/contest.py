@@ -1,0 +1,187 @@
+"""The contest: left-out effects compete to explain what base parameters leave over.
+
+As for joints (``diagnosis.contest``): sets are fitted with the base parameters, scored as noise of unknown level and colour
+less the Occam factor of their parameters, and grow one effect at a time. A screen costs one batch of beams: every start
+of every effect at once, each scaled to where its first step would take it, base parameters free to follow.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from coast_cli.diagnosis.contest import ALIKE, SMALLEST, THRESHOLD
+from coast_cli.diagnosis.shapes.fit import Fit, Space, fit, label
+from coast_cli.diagnosis.shapes.forward import Job
+from coast_cli.diagnosis.shapes.problem import Problem
+from coast_cli.effects.shapes.catalogue import SHAPE_CATALOGUE, in_order
+from coast_cli.effects.shapes.effect import ShapeEffect
+from coast_cli.mechanics.section import FloatArray
+
+Key = frozenset[tuple[str, float]]
+_FITTED_SINGLES = 9
+_FITTED_NEXT = 4
+_GROWN_FROM = 2
+_WORTH_GROWING = 4.0
+_WORTH_FITTING = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Hypothesis:
+    """A fitted set of effects and its score in nats."""
+
+    fit: Fit
+    score: float
+
+    @property
+    def ids(self) -> tuple[str, ...]:
+        """Effect ids in the order in which they act."""
+        return self.fit.ids
+
+
+@dataclass(frozen=True, slots=True)
+class Contest:
+    """Everything that was fitted, best first; ``base`` is the model with refitted parameters alone."""
+
+    base: Hypothesis
+    tried: tuple[Hypothesis, ...]
+    leading: Hypothesis
+
+    def alternatives(self) -> tuple[Hypothesis, ...]:
+        """Return other sets, no larger, that the shapes cannot tell from the leading one; best of each set of ids."""
+        if not self.leading.ids:
+            return ()
+        found: dict[frozenset[str], Hypothesis] = {frozenset(self.leading.ids): self.leading}
+        for other in self.tried:
+            ids = frozenset(other.ids)
+            if 0 < len(ids) <= len(self.leading.ids) and ids not in found and other.score > self.leading.score - ALIKE:
+                found[ids] = other
+        return tuple(found.values())[1:]
+
+
+def run_contest(problem: Problem, level: float, most_effects: int = 5) -> Contest:
+    """Fit and compare all sets worth comparing, up to ``most_effects`` effects; ``level`` is the noise, m."""
+    base = _hypothesis(problem, fit(problem, level=level))
+    tried: dict[Key, Hypothesis] = {frozenset(): base}
+    frontier = [base]
+    for size in range(1, most_effects + 1):
+        grown = []
+        for parent in frontier:
+            starts = screen(problem, parent.fit, level)
+            for effect in starts[: _FITTED_SINGLES if size == 1 else _FITTED_NEXT]:
+                key = parent.fit.key | {label(effect)}
+                if key in tried:
+                    continue
+                effects = in_order((*parent.fit.effects, effect))
+                fitted = fit(problem, effects, parent.fit.coordinates, level=max(level, 0.3 * parent.fit.rmse), steps=8)
+                tried[key] = _hypothesis(problem, fitted)
+                grown.append(tried[key])
+        if not grown:
+            break
+        grown.sort(key=lambda hypothesis: _plain_error(problem, hypothesis))
+        smaller = min(_plain_error(problem, parent) for parent in frontier)
+        if _plain_error(problem, grown[0]) > smaller - _WORTH_GROWING:
+            break
+        frontier = grown[:_GROWN_FROM]
+        if grown[0].fit.rmse < 1.12 * level:
+            break
+    ranked = sorted(tried.values(), key=lambda hypothesis: -hypothesis.score)
+    return Contest(base, tuple(ranked), _lead(tried))
+
+
+def _plain_error(problem: Problem, hypothesis: Hypothesis) -> float:
+    """Return the residual as white noise, in nats, and its parameters' price: smaller is better."""
+    parameters = sum(len(effect.fitted()) for effect in hypothesis.fit.effects)
+    return problem.size * float(np.log(max(hypothesis.fit.rmse, 1e-300))) + parameters
+
+
+def _lead(tried: dict[Key, Hypothesis]) -> Hypothesis:
+    """Return the set with the most evidence once every effect has paid, in which each is large enough to name."""
+    order = sorted(tried.values(), key=lambda h: h.score - THRESHOLD * len(h.ids), reverse=True)
+    for hypothesis in order:
+        key = hypothesis.fit.key
+        smaller = [other for other_key, other in tried.items() if other_key < key and len(other_key) == len(key) - 1]
+        if all(size_of(hypothesis, other) >= SMALLEST for other in smaller):
+            return hypothesis
+    return tried[frozenset()]
+
+
+def size_of(larger: Hypothesis, smaller: Hypothesis) -> float:
+    """Return by how much two fits differ, as RMS in levels of the noise that the larger set leaves."""
+    change = np.sqrt(np.mean((larger.fit.residual - smaller.fit.residual) ** 2))
+    return float(change / max(larger.fit.evidence.level, 1e-300))
+
+
+def screen(problem: Problem, parent: Fit, level: float) -> list[ShapeEffect]:
+    """Return the best start of each effect on each tube, best first, by how much its first step would take away.
+
+    The step may be any multiple of the start, other parameters follow to first order, and the start is moved with it.
+    """
+    scale = max(level, parent.evidence.level, 1e-12)
+    taken = {effect.id for effect in parent.effects}
+    starts = [
+        start for effect in SHAPE_CATALOGUE.values() if effect.id not in taken and (problem.scene.pairs or not effect.on_pairs)
+        for start in effect.starts(problem.scene)
+    ]  # fmt: skip
+    jobs: list[Job] = []
+    spans = []
+    for start in starts:
+        touched = problem.touched(start)
+        state = problem.state(parent.coordinates, in_order((*parent.effects, start)))
+        spans.append((len(jobs), touched))
+        jobs += [(index, state) for index in touched]
+    moved = problem.residuals(jobs)
+    space = Space(problem, parent.effects)
+    nuisance = parent.jacobian / scale
+    precision = nuisance.T @ nuisance + np.diag(1.0 / space.width**2)
+    residual = parent.residual / scale
+    best: dict[tuple[str, float], tuple[float, ShapeEffect]] = {}
+    for start, (first, touched) in zip(starts, spans, strict=True):
+        change = np.zeros_like(residual)
+        for offset, index in enumerate(touched):
+            rows = problem.slices[index]
+            change[rows] = moved[first + offset] / scale - residual[rows]
+        follow = np.linalg.solve(precision, nuisance.T @ change)
+        left = change - nuisance @ follow
+        size = float(left @ left)
+        if not size > 1e-3:
+            continue
+        amount = -float(left @ residual) / size
+        if _one_sided(start) and amount <= 0.0:
+            continue
+        gain = amount**2 * size / 2.0
+        key = label(start)
+        if gain > _WORTH_FITTING and (key not in best or gain > best[key][0]):
+            best[key] = gain, _moved(start, amount)
+    return [effect for _, effect in sorted(best.values(), key=lambda pair: -pair[0])]
+
+
+def _one_sided(effect: ShapeEffect) -> bool:
+    """Return whether the amplitude cannot be turned round: it is null at the end of its range, or is a place."""
+    amplitude = effect.fitted()[0]
+    return amplitude.null <= amplitude.low or len(effect.fitted()) > 1
+
+
+def _moved(effect: ShapeEffect, amount: float) -> ShapeEffect:
+    """Return the effect with its amplitude times the amount, where it has one amplitude and no more."""
+    if len(effect.fitted()) > 1:
+        return effect
+    parameter = effect.fitted()[0]
+    value = parameter.null + (effect.fitted_values()[0] - parameter.null) * float(np.clip(amount, -50.0, 50.0))
+    span = parameter.high - parameter.low
+    return effect.with_fitted(np.array([np.clip(value, parameter.low + 1e-6 * span, parameter.high - 1e-6 * span)]))
+
+
+def _hypothesis(problem: Problem, fitted: Fit) -> Hypothesis:
+    """Return the fit with its score: likelihood less the log of prior over posterior width, and of tubes to choose from."""
+    size = len(problem.base)
+    widths = np.concatenate([np.ones(0), *(type(effect).widths(problem.scene) for effect in fitted.effects)])
+    occam = 0.0
+    if widths.size:
+        covariance = fitted.covariance[size:, size:] / np.outer(widths, widths)
+        occam = max(-0.5 * float(np.linalg.slogdet(covariance)[1]), 0.0)
+    chosen = sum(1 for effect in fitted.effects if getattr(effect, "tube", 0.0))
+    occam += chosen * float(np.log(max(len(problem.scene.tubes), 1)))
+    return Hypothesis(fitted, fitted.log_likelihood - occam)

@@ -1,0 +1,43 @@
+"""Errors of a model on photographs, as figures: along the whole shape and at the tip."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coast_cli.diagnosis.shapes.problem import Problem
+from coast_cli.effects.shapes.effect import ShapeEffect
+from coast_cli.mechanics.section import FloatArray
+from coast_cli.units import MILLIMETRE
+
+UNIT = "shape_mm"
+
+
+@dataclass(frozen=True, slots=True)
+class Errors:
+    """RMS distance at equal arc length, and of the last points, mm."""
+
+    shape: float
+    tip: float
+
+
+def errors_of(
+    problem: Problem, coordinates: FloatArray, effects: Sequence[ShapeEffect], rows: Sequence[NDArray[np.bool_]]
+) -> Errors:
+    """Return the errors of a model on the given points of every photograph."""
+    state = problem.state(coordinates, effects)
+    chosen = [index for index, wanted in enumerate(rows) if wanted.any()]
+    shape, tips = [], []
+    for index, line in zip(chosen, problem.forward.lines([(index, state) for index in chosen]), strict=True):
+        run = problem.photographs[index].run
+        distance = np.hypot(run.x - line.x[0], run.y - line.y[0])
+        shape.append(distance[rows[index]])
+        tips.append(distance[-1])
+    return Errors(_rms(np.concatenate(shape)) / MILLIMETRE, _rms(np.array(tips)) / MILLIMETRE) if shape else Errors(0.0, 0.0)
+
+
+def _rms(values: FloatArray) -> float:
+    return float(np.sqrt(np.mean(values**2))) if values.size else 0.0

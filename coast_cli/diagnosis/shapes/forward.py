@@ -1,0 +1,294 @@
+"""The forward model of shapes: many parameter sets of many photographs in one batch of beams.
+
+A tube is the beam of ``mechanics.beam`` with its natural curvature turned to the side it lies on. An assembled pair is one
+beam over the overlap, rigidities and weights summed and natural curvature their rigidity-weighted mean (P (8), coupled):
+a photographed pair sags as one. Long tubes are homogenised over whole pitches, cell ends in the middle of rings.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coast_cli.diagnosis.shapes.photograph import Photograph
+from coast_cli.effects.shapes.effect import Loads, Pieces, ShapeEffect
+from coast_cli.mechanics.beam import solve_segments
+from coast_cli.mechanics.section import FloatArray
+from coast_cli.mechanics.tube import NotchedTube
+
+_CELLS = 56
+_SAME_NODE = 1e-9
+_CACHED = 512
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """One set of parameters: modulus (Pa) and natural curvature (1/m, towards its own side) by tube number; effects."""
+
+    modulus: Mapping[int, float]
+    natural: Mapping[int, float]
+    effects: tuple[ShapeEffect, ...]
+
+
+Job = tuple[int, State]
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """The model's line at the points of one photograph, for m states, each (m, n).
+
+    Attributes:
+        x, y: m. along_x, along_y: unit tangent. curvature: 1/m.
+    """
+
+    x: FloatArray
+    y: FloatArray
+    along_x: FloatArray
+    along_y: FloatArray
+    curvature: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class _Layout:
+    """How a photograph's pieces become cells: common pieces, cell starts, and where its points lie among the nodes."""
+
+    own: tuple[NDArray[np.int64], ...]
+    length: FloatArray
+    chosen: NDArray[np.int64] | None
+    nodes: FloatArray
+    cell: NDArray[np.int64]
+    local: FloatArray
+
+
+class Forward:
+    """The forward model of a set of photographs under one gravity (m/s^2)."""
+
+    def __init__(self, photographs: Sequence[Photograph], gravity: float) -> None:
+        self.photographs = tuple(photographs)
+        self.gravity = gravity
+        self._layouts = tuple(_layout(photograph) for photograph in photographs)
+        self._pieces: dict[tuple[object, ...], Pieces] = {}
+
+    def lines(self, jobs: Sequence[Job]) -> list[Line]:
+        """Return the line of each job, each of shape (1, n); all beams are solved together."""
+        beams = [self._beam(*job) for job in jobs]
+        most = max(beam.length.size for beam in beams)
+
+        def table(name: str, filler: float) -> FloatArray:
+            filled = np.full((len(beams), most), filler)
+            for row, beam in zip(filled, beams, strict=True):
+                values = getattr(beam, name)
+                row[: values.size] = values
+            return filled
+
+        length, flexibility, bend = table("length", 0.0), table("flexibility", 1.0), table("bend", 0.0)
+        rigidity = np.where(length > 0.0, length / flexibility, 1.0)
+        span = np.where(length > 0.0, length, 1.0)
+        pull = np.array([beam.loads.gravity * self.gravity for beam in beams])
+        force = np.array([beam.loads.downward_force for beam in beams])
+        zero = np.zeros(len(beams))
+        solved = solve_segments(
+            length, rigidity, table("load", 0.0) / span, bend / span,
+            gravity=np.stack([zero, -pull], axis=1), tip_force=np.stack([zero, -force], axis=1),
+            base_angle=np.array([beam.loads.base_angle for beam in beams]),
+        )  # fmt: skip
+        found: list[Line | None] = [None] * len(jobs)
+        groups: dict[int, list[int]] = {}
+        for place, (index, _) in enumerate(jobs):
+            groups.setdefault(index, []).append(place)
+        for index, places in groups.items():
+            count = self._layouts[index].nodes.size
+            rows = np.array(places)
+            parts = [array[rows][:, :count] for array in (solved.x, solved.y, solved.angle)]
+            line = self._line(index, [beams[place] for place in places], parts)
+            for row, place in enumerate(places):
+                at = slice(row, row + 1)
+                found[place] = Line(line.x[at], line.y[at], line.along_x[at], line.along_y[at], line.curvature[at])
+        return [self._seen(index, state, line) for (index, state), line in zip(jobs, found, strict=True) if line is not None]
+
+    def _beam(self, index: int, state: State) -> _Beam:
+        photograph, layout = self.photographs[index], self._layouts[index]
+        loads = Loads()
+        for effect in state.effects:
+            if photograph.is_pair or not effect.on_pairs:
+                loads = effect.loads(loads)
+        rigidity, weight, natural, sideways = (np.zeros(layout.length.size) for _ in range(4))
+        offset = np.zeros(layout.length.size)
+        for place, ((number, tube), own) in enumerate(zip(photograph.tubes, layout.own, strict=True)):
+            pieces = self._tube_pieces(number, tube, state.effects)
+            stiff = state.modulus[number] * pieces.rigidity[own]
+            side = photograph.upward if place == 0 else -photograph.upward
+            curved = stiff * side * (state.natural[number] + pieces.natural[own])
+            rigidity += stiff
+            weight += pieces.weight[own]
+            natural += curved * np.cos(loads.roll) if place else curved
+            if place:
+                sideways += curved * np.sin(loads.roll)
+            else:
+                offset = photograph.upward * pieces.offset[own]
+        return _cells(layout, rigidity, weight, natural / rigidity + loads.held_curvature, sideways / rigidity, offset, loads)
+
+    def _tube_pieces(self, number: int, tube: NotchedTube, effects: tuple[ShapeEffect, ...]) -> Pieces:
+        """Return the pieces of a tube of unit modulus without its own natural curvature."""
+        acting = tuple(
+            effect for effect in effects
+            if effect.acts_on(number) and (effect.stage_overridden("geometry") or effect.stage_overridden("pieces"))
+        )  # fmt: skip
+        key = (number, acting)
+        if key not in self._pieces:
+            if len(self._pieces) > _CACHED:
+                self._pieces.clear()
+            self._pieces[key] = _pieces_of(tube, acting)
+        return self._pieces[key]
+
+    def _line(self, index: int, beams: Sequence[_Beam], parts: Sequence[FloatArray]) -> Line:
+        """Return the line at the points: arcs between nodes, stretched and turned out of the plane where effects say so."""
+        layout = self._layouts[index]
+        x, y, angle = parts
+        dx, dy, turn = np.diff(x), np.diff(y), np.diff(angle)
+        changed = False
+        for row, beam in enumerate(beams):
+            if beam.loads.axis_share:
+                elastic = turn[row] - beam.bend
+                shrink = beam.loads.axis_share * (beam.offset_bend + beam.offset_share * elastic)
+                dx[row] *= 1.0 - shrink / beam.length
+                dy[row] *= 1.0 - shrink / beam.length
+                changed = True
+            if beam.loads.roll:
+                turned = np.cumsum(beam.sideways) - beam.sideways / 2.0
+                dx[row] *= np.cos(turned)
+                dy[row] *= np.cos(turned)
+                changed = True
+        if changed:
+            start = np.zeros((len(beams), 1))
+            x, y = (np.concatenate((start, np.cumsum(d, axis=1)), axis=1) for d in (dx, dy))
+        return _interpolated(layout, x, y, angle)
+
+    def _seen(self, index: int, state: State, line: Line) -> Line:
+        """Return the line as the camera shows it."""
+        seeing = [effect for effect in state.effects if effect.stage_overridden("see")]
+        if not seeing:
+            return line
+        run = self.photographs[index].run
+        centre = float(run.x.mean()), float(run.y.mean())
+        small = 1e-6
+        ends = []
+        for step in (0.0, small):
+            x, y = line.x + step * line.along_x, line.y + step * line.along_y
+            for effect in seeing:
+                x, y = effect.see(x, y, centre)
+            ends.append((x, y))
+        (x, y), (ahead_x, ahead_y) = ends
+        size = np.hypot(ahead_x - x, ahead_y - y)
+        return Line(x, y, (ahead_x - x) / size, (ahead_y - y) / size, line.curvature)
+
+
+@dataclass(frozen=True, slots=True)
+class _Beam:
+    """One beam, cell by cell: length (m), flexibility (1/(N m)), natural turn (rad), mass (kg), turn out of the plane (rad).
+
+    ``offset_bend`` and ``offset_share`` give the shortening of the line: from natural turn (m) and per elastic turn (m).
+    """
+
+    length: FloatArray
+    flexibility: FloatArray
+    bend: FloatArray
+    load: FloatArray
+    sideways: FloatArray
+    offset_bend: FloatArray
+    offset_share: FloatArray
+    loads: Loads
+
+
+def _cells(
+    layout: _Layout, rigidity: FloatArray, weight: FloatArray, natural: FloatArray, sideways: FloatArray,
+    offset: FloatArray, loads: Loads,
+) -> _Beam:  # fmt: skip
+    length = layout.length
+    flexibility = length / rigidity
+    columns = np.stack([
+        length, flexibility, natural * length, weight * length, sideways * length, offset * natural * length,
+        offset * flexibility,
+    ])  # fmt: skip
+    merged = _merged(columns, layout.chosen)
+    return _Beam(*merged[:6], merged[6] / merged[1], loads)
+
+
+def _merged(columns: FloatArray, chosen: NDArray[np.int64] | None) -> FloatArray:
+    """Sum columns (k, n) over cells that end in the middle of the chosen pieces."""
+    if chosen is None:
+        return columns
+    half = np.concatenate((columns[:, chosen] / 2.0, np.zeros((columns.shape[0], 1))), axis=1)
+    cells = np.add.reduceat(columns, chosen, axis=1)
+    return np.concatenate((half[:, :1], cells - half[:, :-1] + half[:, 1:]), axis=1)
+
+
+def _pieces_of(tube: NotchedTube, effects: tuple[ShapeEffect, ...]) -> Pieces:
+    tube = replace(tube, youngs_modulus=1.0)
+    for effect in effects:
+        tube = effect.geometry(tube)
+    segments = tube.segments
+    offset = np.zeros(segments.length.size)
+    offset[1::2] = tube.notch.neutral_axis
+    pieces = Pieces(segments.length, segments.rigidity, segments.weight, np.zeros(segments.length.size), offset)
+    for effect in effects:
+        pieces = effect.pieces(pieces)
+    return pieces
+
+
+def _layout(photograph: Photograph) -> _Layout:
+    ends = [np.cumsum(tube.segments.length) for _, tube in photograph.tubes]
+    if len(ends) == 1 or (ends[0].size == ends[1].size and np.allclose(ends[0], ends[1], rtol=0.0, atol=_SAME_NODE)):
+        own = tuple(np.arange(end.size) for end in ends)
+        length = photograph.tubes[0][1].segments.length
+        chosen = None
+        if length.size > 2 * _CELLS:
+            chosen = np.unique(np.linspace(0, (length.size - 1) // 2, _CELLS).round().astype(np.int64)) * 2
+    else:
+        breaks = np.unique(np.concatenate(ends).round(9))
+        breaks = np.concatenate((breaks[breaks < photograph.length - _SAME_NODE], [photograph.length]))
+        length = np.diff(breaks, prepend=0.0)
+        middle = np.cumsum(length) - length / 2.0
+        own = tuple(np.minimum(np.searchsorted(end, middle), end.size - 1) for end in ends)
+        chosen = None
+    cells = _merged(length[np.newaxis], chosen)[0]
+    nodes = np.concatenate(([0.0], np.cumsum(cells)))
+    cell = np.clip(np.searchsorted(nodes, photograph.at, side="right") - 1, 0, cells.size - 1)
+    return _Layout(own, length, chosen, nodes, cell, (photograph.at - nodes[cell]) / cells[cell])
+
+
+def _interpolated(layout: _Layout, x: FloatArray, y: FloatArray, angle: FloatArray) -> Line:
+    """Return places at the points: each cell is an arc laid from its node, closed on the next one."""
+    j, u = layout.cell, layout.local
+    start, turn = angle[:, j], np.diff(angle)[:, j]
+    h = np.diff(layout.nodes)[j]
+    here = start + turn * u
+    middle = start + 0.5 * turn * u
+    chord = u * h * np.sinc(turn * u / (2.0 * np.pi))
+    whole = h * np.sinc(turn / (2.0 * np.pi))
+    half = start + 0.5 * turn
+    miss_x = x[:, j + 1] - x[:, j] - whole * np.cos(half)
+    miss_y = y[:, j + 1] - y[:, j] - whole * np.sin(half)
+    return Line(
+        x=x[:, j] + chord * np.cos(middle) + u * miss_x,
+        y=y[:, j] + chord * np.sin(middle) + u * miss_y,
+        along_x=np.cos(here),
+        along_y=np.sin(here),
+        curvature=turn / h,
+    )
+
+
+def misfit(photograph: Photograph, line: Line) -> tuple[FloatArray, FloatArray]:
+    """Return by how much the points miss a line across it, (m, n), and along it at the points that are placed, (m, k).
+
+    A point that is not placed is compared with the nearest point of the line, to second order in the distance along it.
+    """
+    dx, dy = photograph.run.x - line.x, photograph.run.y - line.y
+    across = dy * line.along_x - dx * line.along_y
+    along = dx * line.along_x + dy * line.along_y
+    free = ~photograph.placed
+    across[:, free] -= 0.5 * line.curvature[:, free] * along[:, free] ** 2
+    return across, along[:, photograph.placed]

@@ -1,0 +1,83 @@
+"""What no named effect explains: is there still structure in the residuals, beyond what noise of the points draws?
+
+*Smooth*: they are likelier as a smooth curve plus white noise than as AR(1) noise. *Repeats*: one photograph's residual
+predicts that of another of the same tube the same way up, at equal arc length. *Level*: they stand above the noise.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from coast_cli.diagnosis.likelihood import NoiseBank
+from coast_cli.diagnosis.shapes.fit import Fit
+from coast_cli.diagnosis.shapes.problem import Problem
+from coast_cli.mechanics.section import FloatArray
+from coast_cli.recordings.noise import NoiseEstimate, Series, pooled_noise
+
+_ABOVE_NOISE = 1.5
+_NATS = 6.0
+_REPEATS = 0.35
+_SMOOTHED = 12
+
+
+@dataclass(frozen=True, slots=True)
+class Leftover:
+    """Structure left, m RMS; nats by which a smooth curve is likelier than noise; share that repeats."""
+
+    size: float
+    smooth: float
+    repeats: float
+
+
+def points_noise(problem: Problem, fitted: Fit) -> NoiseEstimate:
+    """Return the noise of the points across the line, m: what no smooth curve through the residuals can hold."""
+    series = []
+    for photograph, rows, (across, _) in zip(problem.photographs, problem.slices, problem.rows, strict=True):
+        values = np.full(len(photograph.run), np.nan)
+        values[across] = fitted.residual[rows][: int(across.sum())]
+        if across.any():
+            series.append(Series(values))
+    return pooled_noise(series)
+
+
+def find_leftover(problem: Problem, fitted: Fit, floor: float) -> Leftover:
+    """Return the structure that a fit leaves; ``floor`` is the noise, m."""
+    bank = NoiseBank(problem.sequences, kernel="smooth")
+    smooth = bank.evidence(fitted.residual)
+    nats = smooth.log_likelihood - fitted.evidence.log_likelihood
+    share = 1.0 - bank.white_share(smooth.colour) if nats > _NATS else 0.0
+    repeats = _repeats(problem, fitted.residual)
+    if repeats > _REPEATS:
+        share = max(share, repeats)
+    size = fitted.rmse * float(np.sqrt(share))
+    if fitted.rmse > _ABOVE_NOISE * floor:
+        size = max(size, float(np.sqrt(fitted.rmse**2 - floor**2)))
+    return Leftover(size, float(nats), repeats)
+
+
+def _repeats(problem: Problem, residual: FloatArray) -> float:
+    """Return the share of power that a smoothed photograph predicts in another of the same tube, the same way up."""
+    groups: dict[tuple[object, ...], list[tuple[FloatArray, FloatArray]]] = {}
+    for photograph, rows, (across, _) in zip(problem.photographs, problem.slices, problem.rows, strict=True):
+        if int(across.sum()) >= 2 * _SMOOTHED:
+            key = (tuple(number for number, _ in photograph.tubes), photograph.upward)
+            groups.setdefault(key, []).append((photograph.at[across], residual[rows][: int(across.sum())]))
+    error = power = 0.0
+    for members in groups.values():
+        for at, values in members:
+            others = [other for other in members if other[0] is not at]
+            if not others:
+                continue
+            predicted = np.mean([_smooth(other_at, other, at) for other_at, other in others], axis=0)
+            error += float(np.sum((values - predicted) ** 2))
+            power += float(np.sum(values**2))
+    return 1.0 - error / power if power > 0.0 else 0.0
+
+
+def _smooth(at: FloatArray, values: FloatArray, where: FloatArray) -> FloatArray:
+    """Return a polynomial through the values, at other places."""
+    degree = min(7, at.size // _SMOOTHED)
+    found: FloatArray = np.polynomial.Chebyshev.fit(at, values, degree)(where)
+    return found

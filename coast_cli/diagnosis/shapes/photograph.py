@@ -1,0 +1,183 @@
+"""A recorded shape made ready: which tubes, which way up, and where along the tube each of its points lies.
+
+A point tells where the tube passes, not which of its sections it is: points are placed by their own arc length, and only
+what lies across the model's line counts. Two things are known better: the last point is the tip, and a shape with
+the clamp and one point a pitch has its points on the middles of the rings.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coast_cli.errors import BadInput
+from coast_cli.mechanics.section import FloatArray
+from coast_cli.mechanics.tube import NotchedTube
+from coast_cli.units import MILLIMETRE
+
+if TYPE_CHECKING:
+    from coast_cli.recordings.model import ShapeRun
+    from coast_cli.spec.build import Design
+
+_SMOOTH_DEGREE = 8
+_POINTS_A_COEFFICIENT = 3
+_LONGEST_BACKWARD = 6.0  # usual steps
+_WIDEST_GAP = 0.25  # of the tube
+_LENGTHS = (0.75, 1.35)  # recorded over configured
+_CLAMP = 0.03  # of the tube
+_RING_SPACING = 0.06
+
+
+@dataclass(frozen=True, eq=False)
+class Photograph:
+    """One recorded shape.
+
+    Attributes:
+        run: the recording.
+        tubes: number (1 for the first of the file, outer tubes first) and tube of each, one or outer and middle.
+        upward: +1 where the natural curvature of the tube, or of the outer one, points up, -1 down.
+        at: arc length along the configured tube of each point, m, [n].
+        placed: points whose place along the tube is known, [n]: all rings, or the tip alone.
+        recorded_length: of the line through the points, m.
+    """
+
+    run: ShapeRun
+    tubes: tuple[tuple[int, NotchedTube], ...]
+    upward: float
+    at: FloatArray
+    placed: NDArray[np.bool_]
+    recorded_length: float
+
+    @property
+    def length(self) -> float:
+        """Of the overlap of its tubes, m."""
+        return min(tube.length for _, tube in self.tubes)
+
+    @property
+    def is_pair(self) -> bool:
+        """Whether two tubes are assembled."""
+        return len(self.tubes) == 2
+
+
+def photographs(design: Design, runs: Sequence[ShapeRun]) -> tuple[Photograph, ...]:
+    """Return the shapes, checked.
+
+    Raises:
+        BadInput: points that are out of order, far from the clamp, of another length, or with x and y swapped.
+    """
+    numbers = {tube.name: place + 1 for place, tube in enumerate((*design.outer, *design.middle))}
+    return tuple(_photograph(design, numbers, run) for run in runs)
+
+
+def _photograph(design: Design, numbers: dict[str, int], run: ShapeRun) -> Photograph:
+    tubes = tuple((numbers[tube.name], tube) for tube in (design.tube(name) for name in (run.outer, run.middle) if name))
+    length = min(tube.length for _, tube in tubes)
+    outer_names = {tube.name for tube in design.outer}
+    usual = 1.0 if tubes[0][1].name in outer_names else -1.0
+    upward = usual if run.natural is None else 1.0 if run.natural == "up" else -1.0
+    _check(run, length)
+    arc = arc_length(run.x, run.y)
+    recorded = float(arc[-1])
+    rings = _ring_middles(tubes, len(run))
+    at = np.clip(arc * (length / recorded), 0.0, length)
+    placed = np.zeros(len(run), dtype=bool)
+    if rings is not None and np.max(np.abs(arc - rings)) < _RING_SPACING * length:
+        at, placed = rings, np.ones(len(run), dtype=bool)
+        recorded = recorded * length / float(rings[-1])
+    else:
+        placed[-1] = True
+    _check_length(run, length, recorded)
+    return Photograph(run, tubes, upward, at, placed, recorded)
+
+
+def usual_sign(design: Design, tube: NotchedTube) -> float:
+    """Return +1 for an outer tube, whose configured curvature is against gravity, -1 for a middle one."""
+    return 1.0 if any(tube.name == other.name for other in design.outer) else -1.0
+
+
+def arc_length(x: FloatArray, y: FloatArray) -> FloatArray:
+    """Return the arc length from the clamp, at the origin, to each point, [n] m.
+
+    Noise lengthens the chord from point to point, so it is measured along a polynomial through the points.
+    """
+    at = np.concatenate(([0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))))
+    at += float(np.hypot(x[0], y[0]))
+    degree = min(_SMOOTH_DEGREE, len(x) // _POINTS_A_COEFFICIENT)
+    if degree < 2 or at[-1] <= 0.0:
+        return at
+    slopes = [np.polynomial.Chebyshev.fit(at, values, degree).deriv() for values in (x, y)]
+    fine = np.linspace(at[0], at[-1], 8 * len(x))
+    speed = np.hypot(slopes[0](fine), slopes[1](fine))
+    along = np.concatenate(([0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(fine))))
+    length: FloatArray = at[0] + np.interp(at, fine, along)
+    return length
+
+
+def _ring_middles(tubes: tuple[tuple[int, NotchedTube], ...], count: int) -> FloatArray | None:
+    """Return the clamp and the middle of each ring, m, where there are as many points."""
+    if len(tubes) != 1 or count != tubes[0][1].count + 1:
+        return None
+    tube = tubes[0][1]
+    before = np.concatenate(([0.0], np.cumsum(tube.pitch)[:-1]))
+    return np.concatenate(([0.0], before + tube.uncut / 2.0))
+
+
+def _check(run: ShapeRun, length: float) -> None:
+    """Refuse points that cannot be a tube from its clamp to its tip."""
+    x, y = run.x, run.y
+    if np.hypot(x[0], y[0]) > _CLAMP * length:
+        if np.hypot(x[-1], y[-1]) < _CLAMP * length:
+            raise _refusal(run, -1, "the points run from the tip to the clamp", "points ordered from the clamp")
+        raise _refusal(run, 0, "the first point is not at the clamp", "the clamp at the origin, as the first point")
+    step = np.hypot(np.diff(x), np.diff(y))
+    usual = float(np.median(step))
+    if step.max() > max(_WIDEST_GAP * length, 3.0 * usual):
+        row = int(np.argmax(step)) + 1
+        raise _refusal(run, row, f"a gap of {step.max() / MILLIMETRE:.3g} mm between points", "points all along the tube")
+    backward = _turned_back(x, y, usual)
+    if backward is not None:
+        raise _refusal(run, backward, "the points go back and forth: out of order, or the line crosses itself",
+                       "points in order from the clamp to the tip")  # fmt: skip
+    early = max(3, int(np.searchsorted(np.cumsum(step), 0.1 * length)) + 1)
+    rise = abs(float(np.mean(y[1:early]))), abs(float(np.mean(x[1:early])))
+    if rise[0] > 2.5 * rise[1] and rise[0] > 0.01 * length:
+        raise _refusal(run, 1, "the shape leaves the clamp along y: x and y seem to be swapped", "x along the clamped tube, gravity along -y")
+    if x[early - 1] < 0.0 and abs(x[early - 1]) > 0.02 * length:
+        raise _refusal(run, 1, "the shape leaves the clamp towards -x", "x along the clamped tube")
+
+
+def _turned_back(x: FloatArray, y: FloatArray, usual: float) -> int | None:
+    """Return the first point that lies well behind the way so far, or None."""
+    count = len(x)
+    window = max(2, count // 40)
+    if count < 6:
+        return None
+    kernel = np.ones(2 * window + 1) / (2 * window + 1)
+    padded = [np.pad(values, window, mode="reflect", reflect_type="odd") for values in (x, y)]
+    smooth = [np.convolve(values, kernel, mode="valid") for values in padded]
+    along = [np.gradient(values) for values in smooth]
+    size = np.maximum(np.hypot(*along), 1e-300)
+    noise = np.hypot(np.median(np.abs(x - smooth[0])), np.median(np.abs(y - smooth[1])))
+    forward = (np.diff(x) * along[0][:-1] + np.diff(y) * along[1][:-1]) / size[:-1]
+    behind = np.flatnonzero(forward < -(_LONGEST_BACKWARD * noise + 2.0 * usual))
+    return int(behind[0]) + 1 if behind.size else None
+
+
+def _check_length(run: ShapeRun, length: float, recorded: float) -> None:
+    if not _LENGTHS[0] * length < recorded < _LENGTHS[1] * length:
+        raise BadInput(
+            f"the points of shape {run.name!r} are {recorded / MILLIMETRE:.4g} mm long and {run.pair} is "
+            f"{length / MILLIMETRE:.4g} mm: another tube's shape, another unit, or not up to the tip",
+            file=run.source, line=int(run.line[-1]), found=f"{recorded / length:.2f} of its length",
+            allowed=f"{_LENGTHS[0]:g} to {_LENGTHS[1]:g}",
+        )  # fmt: skip
+
+
+def _refusal(run: ShapeRun, row: int, message: str, allowed: str) -> BadInput:
+    found = f"({run.x[row] / MILLIMETRE:.4g}, {run.y[row] / MILLIMETRE:.4g}) mm"
+    return BadInput(f"shape {run.name!r}: {message}", file=run.source, line=int(run.line[row]), found=found,
+                    allowed=allowed)  # fmt: skip
