@@ -88,7 +88,7 @@ def _predict_run(
         history = effect.drive(history)
     low, high, stations = _bounds(joint, effects, history, history.drive, layout, cache)
     if history.stroke is None:
-        curvature = _state(low, high)
+        curvature = _state(low, high, stations)
         tension = history.drive
     else:
         curvature, tension = _with_slack(joint, effects, history, layout, cache, low, high, stations)
@@ -113,7 +113,7 @@ def _with_slack(
     with_memory = [effect for effect in effects if type(effect).slack is not Effect.slack]
     slack = np.zeros_like(stroke)
     for _ in range(_SLACK_SWEEPS):
-        curvature = _state(low, high)
+        curvature = _state(low, high, stations)
         tension = _tension(joint, effects, stroke - slack, curvature, stations, history.bending_length)
         if not with_memory:
             break
@@ -126,9 +126,9 @@ def _with_slack(
     return curvature, tension
 
 
-def _state(low: FloatArray, high: FloatArray | None) -> FloatArray:
+def _state(low: FloatArray, high: FloatArray | None, stations: Stations) -> FloatArray:
     """Return the curvature of each station; without a release branch of its own there is nothing to wait for."""
-    return low if high is None else follow(low, np.maximum(low, high))
+    return low if high is None else follow(low, np.maximum(low, high), stations.rest)
 
 
 def _bounds(
@@ -231,7 +231,7 @@ def _tabulate(
         else:
             axis = np.minimum.accumulate(axis[::-1])[::-1]
         sides.append((axis, curvature))
-    return _Tables(replace(stations, rest_path=rest), *sides[0], *sides[-1])
+    return _Tables(replace(stations, rest_path=rest, rest=0.5 * (sides[0][1][0] + sides[-1][1][0])), *sides[0], *sides[-1])
 
 
 def _stretch(joint: Joint, effects: Sequence[Effect], tension: FloatArray) -> FloatArray:

@@ -11,15 +11,17 @@ import numpy as np
 from coast_cli.mechanics.section import FloatArray
 
 
-def follow(low: FloatArray, high: FloatArray) -> FloatArray:
-    """Return the state s_t = min(max(s_(t-1), low_t), high_t), started on the lower bound.
+def follow(low: FloatArray, high: FloatArray, rest: FloatArray | None = None) -> FloatArray:
+    """Return the state s_t = min(max(s_(t-1), low_t), high_t).
 
     Args:
         low, high: bounds at each row, shape (n,) or (n, m), low <= high.
+        rest: state before the first row, shape () or (m,); on the lower bound where not given, as if loaded to it.
     """
     if low.ndim == 2:
-        return np.stack([follow(low[:, j], high[:, j]) for j in range(low.shape[1])], axis=1)
-    state = float(low[0]) if low.size else 0.0
+        starts = low[:1].reshape(-1) if rest is None else rest
+        return np.stack([follow(low[:, j], high[:, j], starts[j]) for j in range(low.shape[1])], axis=1)
+    state = -np.inf if rest is None else float(rest)
     states = []
     for below, above in zip(low.tolist(), high.tolist(), strict=True):
         if state < below:

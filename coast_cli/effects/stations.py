@@ -26,6 +26,7 @@ class Stations:
         pitch, cut, lever_arm: m, shape (m,). share: of the segment's bend, (m,), sums to one.
         friction_gain: ln(actuator tension / tension at the segment) of the base model, on load and by it on release.
         resolved: whether every station is one notch. rest_path: tendon path at rest that the stroke does not count, m.
+        rest: curvature before the drive moves, midway between what load and release would hold when slack, 1/m, (m,).
     """
 
     segment: Segment
@@ -38,6 +39,7 @@ class Stations:
     friction_gain: float
     resolved: bool
     rest_path: float = 0.0
+    rest: FloatArray | None = None
 
     def shortening(self, curvature: FloatArray) -> FloatArray:
         """Return how far the bend pulls the tendon, m, for curvature (..., m): P (9), chord across each cut."""

@@ -68,11 +68,12 @@ class Scene:
     """What a set of shapes holds, for choosing starts.
 
     Attributes:
-        tubes: number (as in ``TUBE``) and name of every tube photographed.
+        tubes: number (as in ``TUBE``) and name of every tube photographed. alone: numbers of those seen outside a pair.
         length: of the longest, m. weight: of the heaviest, N. pairs: whether there is an assembled pair.
     """
 
     tubes: Mapping[int, str]
+    alone: frozenset[int]
     length: float
     weight: float
     pairs: bool
@@ -83,12 +84,14 @@ class ShapeEffect(Effect):
     """Base of the effects of shapes: every stage is the identity.
 
     ``expected`` holds (mean, standard deviation) of parameters that physics foretells; ``of_one_tube`` marks effects
-    that may sit on one tube alone; ``on_pairs`` those that only an assembled pair can have.
+    that may sit on one tube alone; ``on_pairs`` those that only an assembled pair can have; ``is_local`` those shorter
+    than a few pitches.
     """
 
     expected: ClassVar[Mapping[str, tuple[float, float]]] = {}
     of_one_tube: ClassVar[bool] = False
     on_pairs: ClassVar[bool] = False
+    is_local: ClassVar[bool] = False
 
     @classmethod
     def fitted(cls) -> tuple[Parameter, ...]:
@@ -109,13 +112,19 @@ class ShapeEffect(Effect):
         return 1.0
 
     @classmethod
+    def places(cls, scene: Scene) -> list[float]:
+        """Return the tubes it may sit on: all at once, and each that was photographed alone."""
+        if not scene.alone:
+            return []
+        return [0.0, *sorted(map(float, scene.alone))] if len(scene.tubes) > 1 else [0.0]
+
+    @classmethod
     def starts(cls, scene: Scene) -> list[Self]:
         """Return where fits are started: every start of every parameter, on every tube and on all of them."""
         choices = []
         for parameter in cls.parameters:
             if parameter is TUBE:
-                alone = [float(number) for number in scene.tubes] if cls.of_one_tube and len(scene.tubes) > 1 else []
-                choices.append([0.0, *alone])
+                choices.append(cls.places(scene))
             else:
                 size = cls.reach(parameter, scene)
                 choices.append([float(np.clip(s * size, parameter.low, parameter.high)) for s in parameter.starts])
@@ -135,7 +144,7 @@ class ShapeEffect(Effect):
     def acts_on(self, number: int) -> bool:
         """Return whether the effect sits on the tube of that number."""
         chosen = getattr(self, "tube", 0.0)
-        return chosen in (0.0, float(number))
+        return chosen in {0.0, float(number)}
 
     def geometry(self, tube: NotchedTube) -> NotchedTube:
         """Change the tube itself."""

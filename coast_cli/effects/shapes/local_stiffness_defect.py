@@ -37,6 +37,7 @@ class LocalStiffnessDefect(ShapeEffect):
         TUBE,
     )
     of_one_tube = True
+    is_local = True
     decided_by = "the same tube clamped further along, so that the place moves in the picture"
 
     @classmethod
@@ -44,7 +45,7 @@ class LocalStiffnessDefect(ShapeEffect):
         """Return soft spots and stiff stretches at many places, on every tube."""
         length = scene.length / MILLIMETRE
         places = (np.arange(_PLACES) + 0.5) / _PLACES * length
-        tubes = [float(number) for number in scene.tubes] if len(scene.tubes) > 1 else [0.0]
+        tubes = sorted(map(float, scene.alone)) if len(scene.tubes) > 1 else [0.0] * len(scene.alone)
         kinds = ((0.3, _SHORT * length), (8.0, _LONG * length))
         return [cls(float(p), ratio, width, tube) for tube in tubes for ratio, width in kinds for p in places]
 
