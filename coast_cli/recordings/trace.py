@@ -127,7 +127,7 @@ def trace_levels(
         x, y, _ = curve.at(np.array([first]))
         notes = (f"the clamp is taken at the left end, {x[0]:.0f},{y[0]:.0f}; --clamp X,Y says otherwise", *notes)
     arc = fit_arc(sections.x[chosen], sections.y[chosen])
-    mirrored = bool(np.cos(curve.at(np.array([first]))[2][0]) < -1e-9)
+    mirrored = bool(np.cos(curve.at(np.array([first]))[2][0]) < -0.1)  # an upright clamp is no mirror image
     return Trace(source, mm_per_px, curve, sections, arc, first, last, mirrored=mirrored, flag=flag, notes=notes)
 
 

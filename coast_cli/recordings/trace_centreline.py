@@ -70,15 +70,21 @@ def medial_path(silhouette: Silhouette) -> Path:
     Raises:
         BadFrame: a second object crosses or touches the tube (``two-tubes``), or the object is not slender.
     """
-    from scipy.ndimage import distance_transform_edt
+    from scipy.ndimage import distance_transform_edt, label
     from skimage.morphology import skeletonize
 
     mask = np.pad(silhouette.mask, 1)
     distance = distance_transform_edt(mask)
-    ridge = skeletonize(mask)
-    radius = float(np.median(distance[ridge]))
-    ridge &= distance < 1.7 * radius  # a fixture that holds the tube is thicker than the tube
-    rows, columns = np.nonzero(ridge)
+    radius = float(np.median(distance[skeletonize(mask)]))
+    thin = 0.4 * radius  # hairs and tendons; they go by a morphological opening
+    mask = distance_transform_edt(distance <= thin) <= thin
+    distance = distance_transform_edt(mask)
+    ridge = skeletonize(mask) & (distance < 2.5 * radius)  # a fixture that holds the tube is thicker
+    pieces, _ = label(ridge, structure=np.ones((3, 3)))
+    lengths = np.bincount(pieces[ridge], minlength=2)
+    if np.sort(lengths)[-2] > 8 * radius:
+        raise _crossed()
+    rows, columns = np.nonzero(pieces == np.argmax(lengths))
     way = _longest_way(rows, columns)
     _refuse_branches(rows, columns, way, radius)
     trim = max(int(radius), 1)
@@ -92,7 +98,7 @@ def medial_path(silhouette: Silhouette) -> Path:
 def _longest_way(rows: NDArray[np.intp], columns: NDArray[np.intp]) -> NDArray[np.intp]:
     """Return indices of the skeleton pixels on the longest shortest way, by two sweeps of Dijkstra's algorithm."""
     from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components, dijkstra
+    from scipy.sparse.csgraph import dijkstra
     from scipy.spatial import cKDTree
 
     points = np.stack([rows, columns], axis=1).astype(float)
@@ -101,9 +107,7 @@ def _longest_way(rows: NDArray[np.intp], columns: NDArray[np.intp]) -> NDArray[n
     pairs = cKDTree(points).query_pairs(1.5, output_type="ndarray")
     lengths = np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=1)
     graph = coo_array((lengths, (pairs[:, 0], pairs[:, 1])), shape=(len(points), len(points))).tocsr()
-    _, piece = connected_components(graph, directed=False)
-    start = int(np.flatnonzero(piece == np.argmax(np.bincount(piece)))[0])
-    first = dijkstra(graph, directed=False, indices=[start])[0]
+    first = dijkstra(graph, directed=False, indices=[0])[0]
     end = int(np.argmax(np.where(np.isfinite(first), first, -1.0)))
     distances, predecessors = dijkstra(graph, directed=False, indices=[end], return_predecessors=True)
     second, before = distances[0], predecessors[0]
@@ -123,11 +127,12 @@ def _refuse_branches(
     points = np.stack([rows, columns], axis=1).astype(float)
     off = np.asarray(cKDTree(points[way]).query(points)[0])
     if float(off.max()) > max(6 * radius, 0.2 * len(way)):
-        raise BadFrame(
-            "two-tubes",
-            "something as wide as the tube crosses or touches it",
-            hint="Crop to one tube, or clear the ground.",
-        )
+        raise _crossed()
+
+
+def _crossed() -> BadFrame:
+    message = "something as wide as the tube crosses or touches it"
+    return BadFrame("two-tubes", message, hint="Crop to one tube, or clear the ground.")
 
 
 def cross_sections(contrast: Image, curve: Curve, radius: float, *, extend: float = 0.0) -> Sections:
@@ -160,7 +165,7 @@ def cross_sections(contrast: Image, curve: Curve, radius: float, *, extend: floa
     level = _tube_level(uniform_filter1d(grey, max(round(0.5 * radius / fine), 1), axis=1), span)
     grey /= level[:, None]
     left, right = _outermost_crossing(grey, offset), -_outermost_crossing(grey[:, ::-1], -offset[::-1])
-    width, full = _full_width(left - right)
+    width, full = _full_width(left - right, 2.6 * radius)
     rows, columns = contrast.shape
     out = (px < -0.5) | (px > columns - 0.5) | (py < -0.5) | (py > rows - 0.5)
     near = np.abs(offset) <= 0.5 * width + 1
@@ -202,9 +207,9 @@ def _outermost_crossing(grey: Floats, offset: Floats, share: float = 0.5) -> Flo
     return np.where(above.any(axis=1), offset[last] + part * (offset[last + 1] - offset[last]), np.nan)
 
 
-def _full_width(width: Floats) -> tuple[float, Mask]:
-    """Return the width of the sections that are not cut, and which they are."""
-    seen = width[np.isfinite(width)]
+def _full_width(width: Floats, most: float) -> tuple[float, Mask]:
+    """Return the width of the sections that are not cut, and which they are; wider ones than ``most`` are not tube."""
+    seen = width[np.isfinite(width) & (width < most)]
     if seen.size < 12:
         raise BadFrame("no-tube", "the edges of the tube cannot be made out", hint="Light the ground more.")
     full = float(np.percentile(seen, 95))

@@ -35,7 +35,7 @@ class Silhouette:
         left, top: pixel of the photograph at the corner of the crop.
         shrink: pixels of the photograph to one of the mask.
         contrast: the photograph after the light was taken out: about 0 on the ground, positive on the tube.
-        glare: True where the photograph is saturated and the light around it is not.
+        glare: True where the photograph is saturated and the light around it is not; of a dark tube only.
     """
 
     mask: Mask
@@ -67,7 +67,7 @@ def find_silhouette(levels: Image) -> Silhouette:
     errors: list[BadFrame] = []
     for scaled, sign, weight in _polarities(difference):
         try:
-            found.append((weight, _one_tube(scaled, np.float32(sign) * difference, glare)))
+            found.append((weight, _one_tube(scaled, np.float32(sign) * difference, glare & (sign < 0))))
         except BadFrame as error:
             errors.append(error)
     if found:
