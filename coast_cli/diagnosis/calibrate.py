@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from coast_cli.diagnosis.least_squares import FitResult, Residual, least_squares, profile_interval
-from coast_cli.diagnosis.likelihood import COLOURS
+from coast_cli.diagnosis.likelihood import COLOURS, NoiseBank
 from coast_cli.diagnosis.problem import CONFIG_KEYS, Problem, build_problem, with_base
 from coast_cli.effects.forward import Prediction, predict
 from coast_cli.errors import BadInput, nearest
@@ -154,7 +154,7 @@ class Posed:
         for pair, numbered in problem.histories.items():
             joint = with_base(problem.joints[pair], values)
             histories = [history for _, history in numbered]
-            predicted = predict(joint, problem.fixed_effects, histories, problem.layout)
+            predicted = predict(joint, problem.fixed_effects, histories, problem.layouts[pair])
             found.update(zip((index for index, _ in numbered), predicted, strict=True))
         return [found[index] for index in range(len(problem.runs))]
 
@@ -338,12 +338,20 @@ def _second_pass(posed: Posed, values: Mapping[str, float]) -> tuple[Posed, tupl
             usable.append(mask & ~(np.abs(error) > OUTLIER * max(spread, problem.noise)))
         kept = replace(problem, usable=tuple(usable))
         response, tension = kept.fitted(predictions)
-        evidence = kept.bank.evidence(response - kept.observed)
-        second = kept.tension_bank.evidence(tension - kept.observed_tension)
-        levels = (max(evidence.level, 1e-15), max(second.level, 1e-15))
+        level, colour = _level_and_colour(kept.bank, response - kept.observed)
+        weights.append(Weights(level, colour, *_level_and_colour(kept.tension_bank, tension - kept.observed_tension)))
         problems.append(kept)
-        weights.append(Weights(levels[0], evidence.colour, levels[1], second.colour))
     return replace(posed, problems=tuple(problems)), tuple(weights)
+
+
+def _level_and_colour(bank: NoiseBank, residual: Floats) -> tuple[float, int]:
+    """Return the level and colour of a residual; white unless a colour is worth its two parameters (Akaike)."""
+    if residual.size == 0:
+        return 1.0, 0
+    evidence = bank.evidence(residual)
+    white = max(float(np.sqrt(np.mean(residual**2))), 1e-15)
+    likelihood = -0.5 * residual.size * (np.log(2.0 * np.pi * white**2) + 1.0)
+    return (evidence.level, evidence.colour) if evidence.log_likelihood > likelihood + 2.0 else (white, 0)
 
 
 def _estimates(

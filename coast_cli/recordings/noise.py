@@ -224,8 +224,8 @@ def _cut(series: Series, index: NDArray[np.int64], degree: int, *, uneven: bool)
     size = len(index) // count
     if size < SHORTEST_BLOCK:
         return []
-    if not uneven and size > 16:
-        size -= size % 8
+    if not uneven:
+        size -= size % (8 if size > 64 else 4 if size > 32 else 1)
     blocks = []
     for offset in np.linspace(0, len(index) - size, count).round().astype(int):
         rows = index[offset : offset + size]

@@ -30,9 +30,10 @@ COLOURS = tuple((memory, white) for memory in MEMORY for white in (WHITE_SHARE i
 AMPLITUDES = np.concatenate(([0.0], 10.0 ** np.arange(-5.0, 2.25, 0.5)))
 SMOOTHER_FIRST = np.exp(-0.1 * np.arange(len(AMPLITUDES)))
 HINGED = np.array([0, 5, 7, 9])
-HINGE_WIDTH = 1000.0
+HINGE_INFORMATION = 100.0
+HINGES_ALIKE = 2.0
 MOST_HINGES = 64
-HINGE_SHARE = 0.2
+HINGE_SHARE = 0.3
 WHITE_FIRST = 3.0
 LOG_SIGNAL_PRIOR = np.log(
     np.concatenate(
@@ -200,7 +201,7 @@ def _quadratic_forms(group: list[Block], basis: _Basis) -> Form:
     """Return (quadratic form [colour, signal, block], half log determinant [colour, signal], degrees of freedom).
 
     The signals are those of each amplitude, then those of some amplitudes with one change of slope besides, at the
-    place that fits best; its size is averaged over with a unit-information prior of width ``HINGE_WIDTH``.
+    place that fits best, at the price of a size (unit information) and of a place among those that are unlike.
     """
     values = basis.transform @ np.column_stack([block.values for block in group])
     precision = 1.0 / basis.total
@@ -208,8 +209,8 @@ def _quadratic_forms(group: list[Block], basis: _Basis) -> Form:
     weighted = precision[:, HINGED, :, None] * values[:, None]
     along = basis.hinges.transpose(0, 2, 1)[:, None] @ weighted
     gained = (along**2 / basis.hinge_information[..., None]).max(axis=2)
-    hinged = quadratic[:, HINGED] - gained * (HINGE_WIDTH / (1.0 + HINGE_WIDTH))
-    price = 0.5 * np.log1p(HINGE_WIDTH) + np.log(basis.hinges.shape[2])
+    hinged = np.maximum(quadratic[:, HINGED] - gained, 0.0)
+    price = 0.5 * np.log1p(HINGE_INFORMATION) + np.log(max(basis.hinges.shape[2] / HINGES_ALIKE, 1.0))
     half = basis.half_log_determinant
     return (
         np.concatenate((quadratic, hinged), axis=1),

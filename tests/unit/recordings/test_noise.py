@@ -72,9 +72,12 @@ def test_level_and_its_stated_uncertainty(signal, count, memory, record_property
     print(
         f"{signal:9s} n {count:4d} memory {memory:.1f}: level / true {np.median(ratio):.2f}, 90 % covers {covered:.2f}"
     )
-    shortest = count == 60
-    assert 0.6 < np.median(ratio) < (1.6 if shortest else 1.35)
-    assert covered > (0.6 if shortest else 0.7)
+    if count == 60 and memory == 0.8:
+        # memory near a fifth of a branch: part of the noise counts as signal, so it comes out too small, never too big
+        assert 0.45 < np.median(ratio) < 1.1
+        return
+    assert 0.75 < np.median(ratio) < 1.35
+    assert covered > 0.75
 
 
 @pytest.mark.parametrize("signal", SIGNALS)
