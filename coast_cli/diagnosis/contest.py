@@ -32,6 +32,8 @@ _FINISHED_NEXT = 4
 _RACE_STEPS = 4
 _GROWN_FROM = 2
 _WORTH_GROWING = 4.0
+# Up to this many noise levels a smooth gain may be the colour of the noise.
+_QUIET = 1.9
 _FLOOR = 1.12
 
 
@@ -92,7 +94,9 @@ def run_contest(problem: Problem, most_effects: int = 5) -> Contest:
         smaller = min(frontier, key=lambda parent: _plain_error(problem, parent.fit))
         gain = _plain_error(problem, smaller.fit) - _plain_error(problem, grown[0].fit)
         memory = grown[0].fit.evidence.memory
-        if gain * (1.0 - memory) / (1.0 + memory) < _WORTH_GROWING or _at_floor(problem, grown[0]):
+        quiet = grown[0].fit.rmse < _QUIET * problem.floor
+        worth = gain * (1.0 - memory) / (1.0 + memory) if quiet else gain
+        if worth < _WORTH_GROWING or _at_floor(problem, grown[0]):
             break
         frontier = grown[:_GROWN_FROM]
     leading = _lead(problem, tried)

@@ -109,7 +109,7 @@ class _Judge:
             noise_unit=UNITS[kind],
             where=where,
             effects=named,
-            alternatives=tuple(other.ids for other in self._rivals()) if verdict == "ambiguous" else (),
+            alternatives=tuple(other.ids for other in self._rivals()) if named else (),
             attempts=leading.ids if unexplained else (),
             parameters=_base_values(problem, used),
             configured={parameter.name: parameter.value for parameter in problem.base},
@@ -125,9 +125,9 @@ class _Judge:
             return "unexplained"
         if not self.contest.leading.ids:
             return "parameters" if self._parameters_moved() else "agrees"
-        if self._rivals():
-            return "ambiguous"
         first = _by_importance(self.problem, self.contest)[0]
+        if any(first not in rival.ids for rival in self._rivals()):
+            return "ambiguous"
         return "sensor" if CATALOGUE[first].kind == "sensor" else "physics"
 
     def _rivals(self) -> tuple[Hypothesis, ...]:

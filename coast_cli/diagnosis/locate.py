@@ -30,6 +30,7 @@ class Region:
     Attributes:
         axis: as in the contract, e.g. "direction". value: a discrete place, or None. low, high: of an interval.
         share: of the excess error. p_value: of a region that stands out as much by chance, all looks paid for.
+        nats: by which two variances describe the residual better than one; breaks ties of the share.
     """
 
     axis: str
@@ -38,6 +39,7 @@ class Region:
     high: float | None
     share: float
     p_value: float
+    nats: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,8 +66,8 @@ def locate(problem: Problem, base: Fit) -> tuple[Region, ...]:
         if p_value > _SIGNIFICANT or not np.any(outside):
             continue
         share = excess_in / max(excess_in + excess_out, 1e-300)
-        regions.append(_region(samples, axis, inside, float(np.clip(share, 0.0, 1.0)), float(p_value)))
-    return tuple(sorted(regions, key=lambda region: -region.share))
+        regions.append(_region(samples, axis, inside, float(np.clip(share, 0.0, 1.0)), float(p_value), gain))
+    return tuple(sorted(regions, key=lambda region: (-round(region.share, 1), -region.nats)))
 
 
 def _collect(problem: Problem, base: Fit) -> _Samples:
@@ -163,8 +165,10 @@ def _two_variances(samples: _Samples, inside: NDArray[np.bool_], floor: float) -
     return float(gain), float(max(np.sum(within - noise), 0.0)), float(max(np.sum(without - noise), 0.0))
 
 
-def _region(samples: _Samples, axis: str, inside: NDArray[np.bool_], share: float, p_value: float) -> Region:
+def _region(
+    samples: _Samples, axis: str, inside: NDArray[np.bool_], share: float, p_value: float, nats: float
+) -> Region:
     if axis in samples.discrete:
-        return Region(axis, str(samples.discrete[axis][inside][0]), None, None, share, p_value)
+        return Region(axis, str(samples.discrete[axis][inside][0]), None, None, share, p_value, nats)
     values = samples.continuous[axis][inside]
-    return Region(axis, None, float(values.min()), float(values.max()), share, p_value)
+    return Region(axis, None, float(values.min()), float(values.max()), share, p_value, nats)

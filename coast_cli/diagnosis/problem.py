@@ -82,11 +82,10 @@ class Problem:
     fixed_effects: tuple[Effect, ...] = field(default=())
 
     @cached_property
-    def layout(self) -> Layout:
-        """What is observed, with a curvature that tables must reach."""
-        first = self.runs[0]
+    def layouts(self) -> dict[str, Layout]:
+        """What is observed of each pair, with a curvature that tables must reach."""
         largest = max(self._largest_curvature(run) for run in self.runs)
-        return Layout(first.kind, first.response.shape[1], 1.6 * largest + 5.0)
+        return {run.pair: Layout(run.kind, run.response.shape[1], 1.6 * largest + 5.0) for run in self.runs}
 
     def _largest_curvature(self, run: JointRun) -> float:
         joint = self.joints[run.pair]
@@ -151,7 +150,7 @@ class Problem:
             joint = self.joint(pair, coordinates)
             histories = [history for _, history in numbered]
             for (index, _), prediction in zip(
-                numbered, predict(joint, (*self.fixed_effects, *effects), histories, self.layout), strict=True
+                numbered, predict(joint, (*self.fixed_effects, *effects), histories, self.layouts[pair]), strict=True
             ):
                 found[index] = prediction
         return [found[index] for index in range(len(self.runs))]

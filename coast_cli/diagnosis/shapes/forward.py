@@ -69,12 +69,22 @@ class Forward:
     def __init__(self, photographs: Sequence[Photograph], gravity: float) -> None:
         self.photographs = tuple(photographs)
         self.gravity = gravity
-        self._layouts = tuple(_layout(photograph) for photograph in photographs)
+        self._layouts = {fine: tuple(_layout(p, fine=fine) for p in photographs) for fine in (False, True)}
         self._pieces: dict[tuple[object, ...], Pieces] = {}
 
     def lines(self, jobs: Sequence[Job]) -> list[Line]:
-        """Return the line of each job, each of shape (1, n); all beams are solved together."""
-        beams = [self._beam(*job) for job in jobs]
+        """Return the line of each job, each of shape (1, n); all beams of one fineness are solved together."""
+        fine = [any(effect.is_local for effect in state.effects) for _, state in jobs]
+        found: list[Line | None] = [None] * len(jobs)
+        for fineness in sorted(set(fine)):
+            places = [place for place, own in enumerate(fine) if own is fineness]
+            lines = self._alike([jobs[place] for place in places], self._layouts[fineness])
+            for place, line in zip(places, lines, strict=True):
+                found[place] = self._seen(*jobs[place], line)
+        return [line for line in found if line is not None]
+
+    def _alike(self, jobs: Sequence[Job], layouts: tuple[_Layout, ...]) -> list[Line]:
+        beams = [self._beam(index, state, layouts[index]) for index, state in jobs]
         most = max(beam.length.size for beam in beams)
 
         def table(name: str, filler: float) -> FloatArray:
@@ -95,22 +105,22 @@ class Forward:
             gravity=np.stack([zero, -pull], axis=1), tip_force=np.stack([zero, -force], axis=1),
             base_angle=np.array([beam.loads.base_angle for beam in beams]),
         )  # fmt: skip
-        found: list[Line | None] = [None] * len(jobs)
+        found: dict[int, Line] = {}
         groups: dict[int, list[int]] = {}
         for place, (index, _) in enumerate(jobs):
             groups.setdefault(index, []).append(place)
         for index, places in groups.items():
-            count = self._layouts[index].nodes.size
+            count = layouts[index].nodes.size
             rows = np.array(places)
             parts = [array[rows][:, :count] for array in (solved.x, solved.y, solved.angle)]
-            line = self._line(index, [beams[place] for place in places], parts)
+            line = self._line(layouts[index], [beams[place] for place in places], parts)
             for row, place in enumerate(places):
                 at = slice(row, row + 1)
                 found[place] = Line(line.x[at], line.y[at], line.along_x[at], line.along_y[at], line.curvature[at])
-        return [self._seen(index, state, line) for (index, state), line in zip(jobs, found, strict=True) if line is not None]
+        return [found[place] for place in range(len(jobs))]
 
-    def _beam(self, index: int, state: State) -> _Beam:
-        photograph, layout = self.photographs[index], self._layouts[index]
+    def _beam(self, index: int, state: State, layout: _Layout) -> _Beam:
+        photograph = self.photographs[index]
         loads = Loads()
         for effect in state.effects:
             if photograph.is_pair or not effect.on_pairs:
@@ -144,9 +154,8 @@ class Forward:
             self._pieces[key] = _pieces_of(tube, acting)
         return self._pieces[key]
 
-    def _line(self, index: int, beams: Sequence[_Beam], parts: Sequence[FloatArray]) -> Line:
+    def _line(self, layout: _Layout, beams: Sequence[_Beam], parts: Sequence[FloatArray]) -> Line:
         """Return the line at the points: arcs between nodes, stretched and turned out of the plane where effects say so."""
-        layout = self._layouts[index]
         x, y, angle = parts
         dx, dy, turn = np.diff(x), np.diff(y), np.diff(angle)
         changed = False
@@ -239,13 +248,13 @@ def _pieces_of(tube: NotchedTube, effects: tuple[ShapeEffect, ...]) -> Pieces:
     return pieces
 
 
-def _layout(photograph: Photograph) -> _Layout:
+def _layout(photograph: Photograph, *, fine: bool) -> _Layout:
     ends = [np.cumsum(tube.segments.length) for _, tube in photograph.tubes]
     if len(ends) == 1 or (ends[0].size == ends[1].size and np.allclose(ends[0], ends[1], rtol=0.0, atol=_SAME_NODE)):
         own = tuple(np.arange(end.size) for end in ends)
         length = photograph.tubes[0][1].segments.length
         chosen = None
-        if length.size > 2 * _CELLS:
+        if length.size > 2 * _CELLS and not fine:
             chosen = np.unique(np.linspace(0, (length.size - 1) // 2, _CELLS).round().astype(np.int64)) * 2
     else:
         breaks = np.unique(np.concatenate(ends).round(9))

@@ -61,17 +61,18 @@ def diagnose_shapes(
     estimate = points_noise(problem, rough)
     floor = max(estimate.level * float(np.exp(min(estimate.log_level_std, 0.5))), 1e-9)
     contest = run_contest(problem, floor, most_effects)
-    return _Judge(problem, kept_back, contest, floor).diagnosis()
+    return _Judge(problem, kept_back, contest, floor, estimate.correlation).diagnosis()
 
 
 @dataclass(frozen=True)
 class _Judge:
-    """Turns a contest into a verdict, and the verdict into figures; ``floor`` is the noise of the points, m."""
+    """Turns a contest into a verdict, and the verdict into figures; ``floor`` is the noise of the points, m, with its correlation."""
 
     problem: Problem
     kept_back: HoldOut
     contest: Contest
     floor: float
+    correlation: float
 
     def diagnosis(self) -> Diagnosis:
         """Return the whole answer."""
@@ -187,7 +188,7 @@ class _Judge:
 
     def _where(self, final: Fit, *, named: bool) -> tuple[Region, ...]:
         """Return the regions found before anything was named, and the place that a named effect has of its own."""
-        regions = list(locate(self.problem, self.contest.base.fit, self.floor))
+        regions = list(locate(self.problem, self.contest.base.fit, self.floor, self.correlation))
         share = regions[0].share if regions else 1.0
         p_value = regions[0].p_value if regions else 0.01
         for effect in final.effects if named else ():

@@ -27,7 +27,7 @@ _WIDTHS = (0.3, 3.0, 30.0)  # of the curvature that turns the tip by one noise w
 
 @dataclass(frozen=True, slots=True)
 class _Linear:
-    """Whitened residual (n,), base directions (n, p) with prior precision (p, p), curvature bins (n, K), rotation (n, 1)."""
+    """Residual in noise levels (n,), base directions (n, p) with prior precision (p, p), curvature bins (n, K), rotation (n, 1)."""
 
     residual: FloatArray
     base: FloatArray
@@ -38,8 +38,12 @@ class _Linear:
     slices: tuple[slice, ...]
 
 
-def locate(problem: Problem, base: Fit, noise: float) -> tuple[Region, ...]:
-    """Return the regions that hold the base model's excess error, largest share first; none where it agrees."""
+def locate(problem: Problem, base: Fit, noise: float, correlation: float = 0.0) -> tuple[Region, ...]:
+    """Return the regions that hold the base model's excess error, largest share first; none where it agrees.
+
+    Args:
+        noise: of the points, m. correlation: of it between neighbours, by which evidence is worth less.
+    """
     length = problem.scene.length
     edges = np.linspace(0.0, length, _BINS + 1)
     linear = _linear(problem, base, noise, edges)
@@ -64,7 +68,8 @@ def locate(problem: Problem, base: Fit, noise: float) -> tuple[Region, ...]:
             best = finer
     gain, left, (low, high) = best
     floor = float(linear.residual.size)
-    p_value = float(min(1.0, looks * np.exp(-min(gain, 700.0))))
+    known = float(np.clip(correlation, 0.0, 0.95))
+    p_value = float(min(1.0, looks * np.exp(-min(gain * (1.0 - known) / (1.0 + known), 700.0))))
     regions = []
     if p_value <= _SIGNIFICANT:
         excess = max(power - floor, 1e-300)
@@ -93,7 +98,6 @@ def _by_photograph(problem: Problem, linear: _Linear, excess: float) -> list[Reg
 
 
 def _linear(problem: Problem, base: Fit, noise: float, edges: FloatArray) -> _Linear:
-    bank, colour = problem.bank, base.evidence.colour
     level = max(noise, 1e-12)
     bins = np.zeros((problem.size, edges.size - 1))
     rotation = np.zeros((problem.size, 1))
@@ -112,13 +116,12 @@ def _linear(problem: Problem, base: Fit, noise: float, edges: FloatArray) -> _Li
         bins[part] = np.einsum("nkd,nd->nk", moved, _normal(tangent))[across]
         rotation[part] = np.einsum("nkd,nd->nk", swung, _normal(tangent))[across]
     space = Space(problem, base.effects)
-    jacobian = -base.jacobian
     return _Linear(
-        residual=bank.whiten(base.residual, colour) / level,
-        base=bank.whiten(jacobian, colour) / level,
+        residual=base.residual / level,
+        base=-base.jacobian / level,
         precision=np.diag(1.0 / space.width**2),
-        bins=bank.whiten(bins, colour) / level,
-        rotation=bank.whiten(rotation, colour) / level,
+        bins=bins / level,
+        rotation=rotation / level,
         edges=edges,
         slices=problem.slices,
     )

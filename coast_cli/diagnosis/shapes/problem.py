@@ -81,6 +81,7 @@ class Problem:
         weights = [float(t.segments.weight @ t.segments.length) * self.forward.gravity for t in tubes.values()]
         return Scene(
             tubes={number: tubes[number].name for number in sorted(tubes)},
+            alone=frozenset(photograph.tubes[0][0] for photograph in self.photographs if not photograph.is_pair),
             length=max(photograph.length for photograph in self.photographs),
             weight=max(max(weights), 1e-12),
             pairs=any(photograph.is_pair for photograph in self.photographs),
