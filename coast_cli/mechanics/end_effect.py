@@ -101,7 +101,7 @@ def _outside(name: str, values: FloatArray, axis: FloatArray, shown: FloatArray)
 def interpolate(table: EndEffectTable, inner: FloatArray, depth: FloatArray, uncut: FloatArray) -> FloatArray:
     """Return delta / ro by local cubics, axis by axis, monotone wherever four table points are (Fritsch, Carlson 1980).
 
-    Walls and rings count by their logarithm: delta turns with both on no scale of its own.
+    Wall thickness and ring length enter by their logarithm, over which delta is smoothest.
     """
     axes = (-np.log(1.0 - table.inner_ratio), table.depth, np.log(table.uncut_ratio + 0.5))
     inner, uncut = np.clip(inner, 0.0, table.inner_ratio[-1]), np.clip(uncut, 0.0, table.uncut_ratio[-1])
