@@ -72,17 +72,17 @@ class Joint:
     def lever_arm(self) -> float:
         """Distance dy of the tendon from the middle tube's neutral axis, m: ybar + ri - r_t, averaged over notches."""
         radius = 0.0 if self.tendon is None else self.tendon.radius
-        return float(np.mean(self.middle.notch.neutral_axis)) + self.middle.inner_radius - radius
+        return np.mean(self.middle.notch.neutral_axis).item() + self.middle.inner_radius - radius
 
     @cached_property
     def cut(self) -> float:
         """Mean cut length of the middle tube, m."""
-        return float(np.mean(self.middle.cut))
+        return np.mean(self.middle.cut).item()
 
     @cached_property
     def pitch(self) -> float:
         """Mean pitch of the middle tube, m."""
-        return float(np.mean(self.middle.pitch))
+        return np.mean(self.middle.pitch).item()
 
     @property
     def closure_curvature(self) -> float:

@@ -75,10 +75,11 @@ def combined_bend(
     breaks = np.unique(np.concatenate(ends))
     breaks = np.concatenate(([0.0], breaks[breaks < overlap * (1.0 - 1e-12)], [overlap]))
     middle_of = 0.5 * (breaks[1:] + breaks[:-1])
-    weighted = np.zeros(middle_of.size)
-    total = np.zeros(middle_of.size)
+    # Not added in place: sensitivities are complex.
+    weighted: FloatArray = np.zeros(middle_of.size)
+    total: FloatArray = np.zeros(middle_of.size)
     for tube, solution, end in zip(tubes, solved, ends, strict=True):
         rigidity = tube.segments.rigidity[np.minimum(np.searchsorted(end, middle_of), end.size - 1)]
-        weighted += rigidity * np.diff(np.interp(breaks, solution.s, solution.angle))
-        total += rigidity
+        weighted = weighted + rigidity * np.diff(np.interp(breaks, solution.s, solution.angle))
+        total = total + rigidity
     return np.diff(breaks), total, weighted / total

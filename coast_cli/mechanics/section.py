@@ -28,7 +28,7 @@ class SectionProperties:
 
 def full_section(outer_radius: ArrayLike, inner_radius: ArrayLike) -> SectionProperties:
     """Return the properties of the uncut ring; radii in m, any shapes that broadcast (P, text above (1))."""
-    ro, ri = np.asarray(outer_radius, dtype=float), np.asarray(inner_radius, dtype=float)
+    ro, ri = _numbers(outer_radius), _numbers(inner_radius)
     area = np.pi * (ro**2 - ri**2)
     return SectionProperties(area, np.zeros_like(area), np.pi / 4.0 * (ro**4 - ri**4))
 
@@ -43,10 +43,13 @@ def notched_section(
         depth: of the notch from the outer surface, m; ro <= depth < 2 ro. Arrays broadcast.
         kind: "sector" (P (1)-(2), radial cut walls) or "chord" (a straight cut, exact circular segments).
     """
-    ro, ri, d = np.broadcast_arrays(
-        np.asarray(outer_radius, dtype=float), np.asarray(inner_radius, dtype=float), np.asarray(depth, dtype=float)
-    )
+    ro, ri, d = np.broadcast_arrays(_numbers(outer_radius), _numbers(inner_radius), _numbers(depth))
     return _sector(ro, ri, d) if kind == "sector" else _chord(ro, ri, d)
+
+
+def _numbers(values: ArrayLike) -> FloatArray:
+    """Return an array of floats, or of complex numbers as they are: sensitivities are complex steps."""
+    return np.asarray(values) * 1.0
 
 
 def _sector(ro: FloatArray, ri: FloatArray, depth: FloatArray) -> SectionProperties:

@@ -68,7 +68,8 @@ class NotchedTube:
     @cached_property
     def length(self) -> float:
         """Notched length, m."""
-        return float(self.pitch.sum())
+        length: float = self.pitch.sum().item()  # not float(): sensitivities are complex
+        return length
 
     @cached_property
     def ring(self) -> SectionProperties:
@@ -99,12 +100,12 @@ class NotchedTube:
     @cached_property
     def rigidity_mean(self) -> float:
         """Flexural rigidity averaged along the tube, N m^2: P's integral of I, which the rings dominate."""
-        return float(self.segments.rigidity @ self.segments.length / self.length)
+        return np.sum(self.segments.rigidity * self.segments.length).item() / self.length
 
     @cached_property
     def rigidity_series(self) -> float:
         """Length over summed compliance, N m^2: the uniform tube that bends as far under one moment."""
-        return float(self.length / np.sum(self.segments.length / self.segments.rigidity))
+        return self.length / np.sum(self.segments.length / self.segments.rigidity).item()
 
 
 def _interleave(first: FloatArray, second: FloatArray) -> FloatArray:
