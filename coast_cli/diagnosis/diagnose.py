@@ -19,6 +19,7 @@ from coast_cli.diagnosis.structure import Structure, find_structure
 from coast_cli.effects.catalogue import CATALOGUE
 from coast_cli.effects.effect import Effect
 from coast_cli.mechanics.section import FloatArray
+from coast_cli.units import MILLIMETRE
 
 if TYPE_CHECKING:
     from coast_cli.recordings.model import JointRun
@@ -207,12 +208,20 @@ class _Judge:
         return "the named effects explain what the base model leaves over"
 
     def _next_recording(self, verdict: Verdict) -> str:
-        if verdict == "ambiguous":
-            first = _by_importance(self.problem, self.contest)[0]
-            return CATALOGUE[first].decided_by
+        rivals = self._rivals()
+        if rivals:
+            from coast_cli.diagnosis.plan import next_recording
+
+            proposals = next_recording(self.problem, [self.contest.leading.fit, *(rival.fit for rival in rivals[:3])])
+            if proposals and proposals[0].gain > 0.0:
+                return f"{proposals[0].words} (expected to add {proposals[0].gain:.0f} nats between the closest two)"
+            return CATALOGUE[_by_importance(self.problem, self.contest)[0]].decided_by
         if verdict == "unexplained":
-            return "the same sweep twice, unchanged, then at half the rate and at another bending length, with time and tension recorded"
-        return ""
+            return (
+                "the same sweep twice, unchanged, then at half the rate and at another bending length, "
+                "with time and tension recorded"
+            )
+        return _untested(self.problem) if verdict in ("agrees", "parameters") else ""
 
     def _notes(self) -> tuple[str, ...]:
         runs, notes = self.problem.runs, []
@@ -231,6 +240,25 @@ class _Judge:
         if not self.contest.leading.fit.converged:
             notes.append("the fit was still moving when it stopped")
         return tuple(notes)
+
+
+def _untested(problem: Problem) -> str:
+    """Return the recording that would show what this one cannot, in bench words; empty where little is left open."""
+    runs = problem.runs
+    top = max(float(np.max(run.drive)) for run in runs)
+    reach = f"{top / MILLIMETRE:.3g} mm" if runs[0].stroke is not None else f"{top:.3g} N"
+    lengths = [float(np.median(run.bending_length)) for run in runs]
+    parts = []
+    if not any(int(np.sum(run.direction < 0)) >= 3 for run in runs):
+        parts.append(f"load to {reach}, release to half of it, load again and release to zero")
+    if np.ptp(lengths) <= 0.05 * max(lengths) and runs[0].kind != "notch":
+        half = 0.5 * max(lengths) / MILLIMETRE
+        parts.append(f"the same at X2 = {half:.3g} mm beside {max(lengths) / MILLIMETRE:.3g} mm")
+    if any(run.time is None for run in runs):
+        parts.append("record time_s, at two rates ten times apart, with a hold of 60 s at the largest drive")
+    if runs[0].stroke is not None and problem.tension_noise is None:
+        parts.append("record tension_n")
+    return "; ".join(parts)
 
 
 def _excess(fitted: Fit, floor: float, structure: Structure) -> float:
