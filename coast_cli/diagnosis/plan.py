@@ -200,7 +200,10 @@ class _Pairwise:
 
     def __init__(self, problem: Problem, rivals: Sequence[Fit]) -> None:
         self.predicted = [_stacked(problem, fit.coordinates, fit.effects) for fit in rivals]
-        self.tangents = [_tangent(problem, fit.coordinates, fit.effects) for fit in rivals]
+        # A parameter on its bound stays there, or the refit would leave what can be believed.
+        self.tangents = [
+            _tangent(problem, fit.coordinates, fit.effects)[:, ~np.array(fit.at_bound, dtype=bool)] for fit in rivals
+        ]
 
 
 @dataclass(frozen=True)

@@ -124,4 +124,16 @@ COLUMNS: dict[str, dict[str, str]] = {
         "length_mm": "arc length from clamp to tip, mm",
         "flag": "why a frame was dropped or is doubtful: no-tube, two-tubes, cut-off, broken, off-clamp; gap, glare",
     },
+    "plan": {
+        "effect": "effect of the catalogue",
+        "component": "part it sits in",
+        "size": "its parameters as simulated",
+        "change_noise": "change of the response that it makes, RMS, in noise levels",
+        "visible_noise": "what is left of the change once the model's own parameters are refitted, in noise levels",
+        "visible": "a diagnosis would see that something is left out",
+        "closest": "effect that explains most of what is left",
+        "apart_noise": "what that effect cannot explain, in noise levels",
+        "told_apart": "a diagnosis would name the right one",
+        "reason": "why the recording cannot show the effect",
+    },
 }

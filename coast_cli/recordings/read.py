@@ -92,6 +92,27 @@ def read_recordings(
     )
 
 
+def read_protocol(
+    path: str | Path,
+    config: Config,
+    *,
+    columns: Mapping[str, str] | None = None,
+    pair: str | None = None,
+    bending_length_mm: float | None = None,
+) -> tuple[tuple[JointRun, ...], tuple[str, ...]]:
+    """Read the runs of a recording that is only planned, and notes; without a response column it is a curvature of zero.
+
+    Raises:
+        BadInput: as ``read_recordings``.
+    """
+    table = read_table(str(path))
+    if not any(name.lower().startswith(("curvature", "bend_", "notch")) for name in table.names):
+        nothing = np.full(len(table.line), b"0")
+        table = replace(table, names=(*table.names, "curvature_per_m"), columns=(*table.columns, nothing))
+    layout = find_layout(table, columns)
+    return tuple(_joint_runs(table, layout, _defaults(config, pair, bending_length_mm))), layout.notes
+
+
 def _defaults(config: Config | None, pair: str | None, bending_length_mm: float | None) -> Defaults:
     outer_tubes = middle_tubes = None
     if config is not None:
