@@ -258,6 +258,8 @@ def build_problem(config: Config, runs: Sequence[JointRun], held_out: Sequence[B
     from coast_cli.spec.build import build_joint
 
     joints = {run.pair: build_joint(config, run.outer, run.middle) for run in runs}
+    if config.tendon is None and any(run.stroke is not None for run in runs):
+        raise config.refuse(("tendon",), "a stroke needs a tendon", allowed="a [tendon] table")
     usable, noise = _screened([run.response for run in runs])
     witness = all(run.tension is not None and run.stroke is not None for run in runs)
     if witness:
