@@ -127,7 +127,7 @@ class BeamProblem:
         count = self.length.shape[0]
         if count <= 2 * cells:
             return self
-        chosen = np.unique(np.linspace(0, (count - 1) // 2, cells).round().astype(int)) * 2
+        chosen = np.array(sorted(set(np.linspace(0, (count - 1) // 2, cells).round().astype(int).tolist()))) * 2
 
         def merged(column: FloatArray) -> FloatArray:
             half = np.concatenate((column[chosen] / 2.0, np.zeros_like(column[:1])))
