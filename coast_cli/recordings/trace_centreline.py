@@ -44,7 +44,7 @@ class Sections:
         s: arc length of each station on the curve, shape (n,).
         x, y: the middle between the two edges, shape (n,).
         left, right: normal offsets of the edges from the curve; left is positive to the left of the way, on the image.
-        inside: share of the tube's contrast that each section reaches; 0 off the photograph.
+        inside: share of the tube's contrast that each section reaches; 0 off the photograph and in a fixture.
         full: True where the section has the full width.
         width: the full width.
         bias: how far the middles may lie off the axis all together: half the scatter of the full widths that is not
@@ -119,9 +119,7 @@ def _longest_way(rows: NDArray[np.intp], columns: NDArray[np.intp]) -> NDArray[n
     return np.asarray(way, dtype=np.intp)
 
 
-def _refuse_branches(
-    rows: NDArray[np.intp], columns: NDArray[np.intp], way: NDArray[np.intp], radius: float
-) -> None:
+def _refuse_branches(rows: NDArray[np.intp], columns: NDArray[np.intp], way: NDArray[np.intp], radius: float) -> None:
     from scipy.spatial import cKDTree
 
     points = np.stack([rows, columns], axis=1).astype(float)
@@ -158,8 +156,10 @@ def cross_sections(contrast: Image, curve: Curve, radius: float, *, extend: floa
     grey = map_coordinates(contrast, [py, px], order=1, mode="nearest").astype(float)
     span = max(round(8 * radius / step), 3)
     outer = offset.size // 8
-    right_ground = uniform_filter1d(np.median(grey[:, :outer], axis=1), span, mode="nearest")
-    left_ground = uniform_filter1d(np.median(grey[:, -outer:], axis=1), span, mode="nearest")
+    beside = np.stack([np.median(grey[:, :outer], axis=1), np.median(grey[:, -outer:], axis=1)])
+    dark = 0.5 * float(np.median(grey.max(axis=1)))
+    blocked = (beside > dark).any(axis=0)  # no ground beside the tube: a fixture
+    right_ground, left_ground = uniform_filter1d(np.where(beside > dark, 0.0, beside), span, axis=1, mode="nearest")
     blend = (offset + reach) / (2 * reach)
     grey -= right_ground[:, None] * (1 - blend) + left_ground[:, None] * blend
     level = _tube_level(uniform_filter1d(grey, max(round(0.5 * radius / fine), 1), axis=1), span)
@@ -171,14 +171,14 @@ def cross_sections(contrast: Image, curve: Curve, radius: float, *, extend: floa
     near = np.abs(offset) <= 0.5 * width + 1
     at_border = out[:, near].any(axis=1)
     middle = (left + right) / 2
-    cores = _cores(full & ~at_border, round(0.25 * width / step))
+    cores = _cores(full & ~at_border & ~blocked, round(0.25 * width / step))
     return Sections(
         s=s,
         x=x - middle * np.sin(angle),
         y=y - middle * np.cos(angle),
         left=left,
         right=right,
-        inside=np.where(out[:, offset.size // 2], 0.0, np.max(grey[:, near], axis=1)),
+        inside=np.where(blocked | out[:, offset.size // 2], 0.0, np.max(grey[:, near], axis=1)),
         full=cores,
         width=width,
         bias=_bias(left - right, cores),

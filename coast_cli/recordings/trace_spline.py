@@ -110,8 +110,10 @@ def fit_curve(t: Floats, x: Floats, y: Floats, low: float, high: float, *, grain
     basis = _basis(t, knots)
     penalty = _penalty(knots) * (high - low) ** 5 * t.size
     best: tuple[float, Floats, Floats, Floats, float, float] | None = None
+    start = np.ones(t.size)
     for strength in 10.0 ** np.arange(-13.0, -4.0):
-        coefficients, weight, inverse = _robust_fit(basis, points, strength * penalty)
+        coefficients, weight, inverse = _robust_fit(basis, points, strength * penalty, start, 8 if best is None else 3)
+        start = weight
         residual = _across(basis, points, coefficients, knots, t)
         used = weight > 0
         variance = float(np.sum(weight * residual**2) / max(weight.sum(), 1.0)) + 1e-8
@@ -155,12 +157,13 @@ def _penalty(knots: Floats) -> Floats:
     return np.asarray(third.T @ (third * (half[:, None] * weights).ravel()[:, None]))
 
 
-def _robust_fit(basis: Floats, points: Floats, penalty: Floats) -> tuple[Floats, Floats, Floats]:
+def _robust_fit(
+    basis: Floats, points: Floats, penalty: Floats, weight: Floats, rounds: int
+) -> tuple[Floats, Floats, Floats]:
     """Return coefficients, weights of the points, and the inverse of the normal matrix."""
-    weight = np.ones(len(points))
     coefficients = np.zeros((basis.shape[1], 2))
     inverse: Floats = np.zeros_like(penalty)
-    for _ in range(8):
+    for _ in range(rounds):
         weighted = basis * weight[:, None]
         inverse = np.asarray(np.linalg.pinv(basis.T @ weighted + penalty, rcond=1e-15, hermitian=True), dtype=float)
         coefficients = inverse @ (weighted.T @ points)

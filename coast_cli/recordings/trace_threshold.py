@@ -107,8 +107,8 @@ def flatten_light(levels: Image, *, order: int = 3, cells: int = 96) -> tuple[Im
     weight = np.ones_like(target)
     coefficients = np.zeros(len(powers))
     for _ in range(15):
-        root = np.sqrt(weight)[:, None]
-        coefficients = np.linalg.lstsq(basis * root, target * root[:, 0], rcond=None)[0]
+        weighted = basis * weight[:, None]
+        coefficients = np.linalg.lstsq(weighted.T @ basis, weighted.T @ target, rcond=None)[0]
         residual = target - basis @ coefficients
         spread = max(1.4826 * float(np.median(np.abs(residual))), 1e-3 * float(np.ptp(target)), 1e-6)
         weight = np.clip(1 - (residual / (4.685 * spread)) ** 2, 0, 1) ** 2
