@@ -308,7 +308,9 @@ def _coloured(posed: Posed, weights: Sequence[Weights], fine: FitResult) -> FitR
             lag = np.abs(np.arange(1 - len(slopes), len(slopes)))
             smeared = fftconvolve(slopes, (memory**lag)[:, None], axes=0)
             spread += (1.0 - white) * slopes.T @ smeared[len(slopes) - 1 : 2 * len(slopes) - 1]
-    covariance = fine.variance * inverse @ spread @ inverse
+    # what the fit takes out of the residual is more than p degrees where the residual is as slow as the sensitivities
+    degrees = len(fine.residual) - float(np.trace(inverse @ spread))
+    covariance = 2.0 * fine.cost / max(degrees, 1.0) * inverse @ spread @ inverse
     return replace(fine, covariance=covariance, std=np.sqrt(np.maximum(np.diag(covariance), 0.0)))
 
 
