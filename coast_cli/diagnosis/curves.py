@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from coast_cli.units import MILLIMETRE
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from coast_cli.diagnosis.answer import Diagnosis
-    from coast_cli.recordings.model import JointRun, Recordings
+    from coast_cli.recordings.model import JointRun, Recordings, ShapeRun
     from coast_cli.spec.config import Config
 
     Floats = NDArray[np.float64]
@@ -26,23 +29,58 @@ class Curve:
     corrected: Floats
 
 
-def curves(config: Config, recordings: Recordings, diagnosis: Diagnosis) -> list[Curve]:
-    """Return the curves of all joint runs in order; none where nothing was fitted, or of shapes.
+@dataclass(frozen=True, eq=False)
+class ShapeCurve:
+    """A photographed shape with both models' lines at its points: x and y in m, [2, n]; ``at``: arc length, m, [n]."""
+
+    run: ShapeRun
+    at: Floats
+    base: Floats
+    corrected: Floats
+
+
+def curves(config: Config, recordings: Recordings, diagnosis: Diagnosis) -> list[Curve] | list[ShapeCurve]:
+    """Return the curves of all runs that were diagnosed, in order; none where nothing was fitted.
 
     The base is refitted here, on the runs that were not held out.
     """
+    if diagnosis.comparison is None:
+        return []
+    held = set(diagnosis.comparison.held_out_runs)
+    if recordings.joint is not None:
+        return _joint_curves(config, recordings.joint.runs, diagnosis, held)
+    return [] if recordings.shape is None else _shape_curves(config, recordings.shape.runs, diagnosis, held)
+
+
+def _joint_curves(config: Config, runs: Sequence[JointRun], diagnosis: Diagnosis, held: set[str]) -> list[Curve]:
     from coast_cli.diagnosis.fit import fit
     from coast_cli.diagnosis.problem import build_problem
 
-    if recordings.joint is None or diagnosis.comparison is None:
-        return []
-    runs = recordings.joint.runs
-    held = [np.full(len(run), run.name in diagnosis.comparison.held_out_runs) for run in runs]
-    problem = build_problem(config, runs, held)
+    problem = build_problem(config, runs, [np.full(len(run), run.name in held) for run in runs])
     base = problem.predict(fit(problem).coordinates, ())
     wanted = [(p, diagnosis.model_parameters.get(p.name, p.value)) for p in problem.base]
     coordinates = np.array([np.log(value) if p.logarithmic else value for p, value in wanted])
     corrected = problem.predict(coordinates, diagnosis.model_effects)
     return [
         Curve(run, before.response, after.response) for run, before, after in zip(runs, base, corrected, strict=True)
+    ]
+
+
+def _shape_curves(config: Config, runs: Sequence[ShapeRun], diagnosis: Diagnosis, held: set[str]) -> list[ShapeCurve]:
+    from coast_cli.diagnosis.shapes.fit import fit
+    from coast_cli.diagnosis.shapes.problem import build_problem
+    from coast_cli.effects.shapes.effect import ShapeEffect
+
+    problem = build_problem(config, runs).with_train([np.full(len(run), run.name not in held) for run in runs])
+    wanted = [(p, diagnosis.model_parameters.get(p.key, p.value)) for p in problem.base]
+    coordinates = np.array([np.log(value) if p.logarithmic else value for p, value in wanted])
+    effects = [effect for effect in diagnosis.model_effects if isinstance(effect, ShapeEffect)]
+    states = (
+        problem.state(fit(problem, level=diagnosis.noise * MILLIMETRE).coordinates, ()),
+        problem.state(coordinates, effects),
+    )
+    before, after = (problem.forward.lines([(index, state) for index in range(len(runs))]) for state in states)
+    return [
+        ShapeCurve(shape.run, shape.at, np.stack((base.x[0], base.y[0])), np.stack((line.x[0], line.y[0])))
+        for shape, base, line in zip(problem.photographs, before, after, strict=True)
     ]

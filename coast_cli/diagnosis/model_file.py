@@ -33,12 +33,16 @@ def model_text(config: Config, diagnosis: Diagnosis, recordings: Recordings, nam
 
     document = config.model_dump(exclude_unset=True)
     for parameter, value in diagnosis.model_parameters.items():
-        put_number(document, CONFIG_KEYS.get(parameter, parameter), value)
+        put_number(document, CONFIG_KEYS.get(parameter, parameter), value)  # of shapes they are keys already
     found = {
         effect.id: {p.name: float(getattr(effect, p.name)) for p in effect.parameters}
         for effect in diagnosis.model_effects
     }
-    corrections = {**config.corrections, **found}
+    # An effect of joint and shapes alike has one table, in which each finds its own parameters.
+    corrections = {
+        **config.corrections,
+        **{name: {**config.corrections.get(name, {}), **new} for name, new in found.items()},
+    }
     if corrections:
         document["corrections"] = corrections
     text = _comments(_origin(config, diagnosis, recordings)) + "\n" + tomli_w.dumps(document)

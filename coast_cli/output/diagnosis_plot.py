@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from io import BytesIO
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from coast_cli.diagnosis.curves import Curve, curves
 from coast_cli.errors import UsageError
 from coast_cli.output.diagnosis_words import percent, place
 from coast_cli.output.plots import RESPONSES
@@ -16,7 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from coast_cli.diagnosis.answer import Diagnosis
-    from coast_cli.diagnosis.curves import Curve
+    from coast_cli.diagnosis.curves import ShapeCurve
     from coast_cli.output.diagnosis import DiagnosisAnswer
 
     Floats = NDArray[np.float64]
@@ -45,8 +47,6 @@ def picture(answer: DiagnosisAnswer, format: str) -> bytes:
     """Return the picture of a diagnosis as PNG or SVG; the same answer gives the same bytes."""
     from matplotlib import rc_context
 
-    from coast_cli.diagnosis.curves import curves
-
     found = answer.diagnosis
     shown = _spread(curves(answer.config, answer.recordings, found), MOST_PANELS)
     with rc_context({"svg.hashsalt": "coast", "font.size": 8.0, "axes.spines.top": False, "axes.spines.right": False}):
@@ -64,45 +64,65 @@ def picture(answer: DiagnosisAnswer, format: str) -> bytes:
         if shown:
             panels = np.atleast_1d(above.subfigures(rows, columns, squeeze=False)).ravel()
             for number, (panel, curve) in enumerate(zip(panels, shown, strict=False)):
-                upper, lower = panel.subplots(2, 1, sharex=True, height_ratios=(2, 1))
-                _run(curve, found, upper, lower, first=number == 0)
+                upper, lower = panel.subplots(2, 1, sharex=isinstance(curve, Curve), height_ratios=(2, 1))
+                draw: Any = _run if isinstance(curve, Curve) else _shape
+                draw(curve, found, upper, lower)
+                upper.set_title(_title(curve, found))
+                if number == 0:
+                    upper.legend(frameon=False, fontsize=7)
+                lower.set_ylabel("recorded - model" if isinstance(curve, Curve) else "distance (mm)")
         stream = BytesIO()
         figure.savefig(stream, format=format, dpi=_DPI, metadata={"Date" if format == "svg" else "Software": None})
     return stream.getvalue()
 
 
-def _spread(items: list[Curve], most: int) -> list[Curve]:
+def _spread(items: Sequence[Curve | ShapeCurve], most: int) -> list[Curve | ShapeCurve]:
     """Return at most so many, evenly over the list, the first and the last among them."""
     if len(items) <= most:
-        return items
+        return list(items)
     return [items[round(index * (len(items) - 1) / (most - 1))] for index in range(most)]
 
 
-def _run(curve: Curve, found: Diagnosis, upper: Any, lower: Any, *, first: bool) -> None:  # noqa: ANN401
+def _title(curve: Curve | ShapeCurve, found: Diagnosis) -> str:
+    held = found.comparison is not None and curve.run.name in found.comparison.held_out_runs
+    what = f"X2 = {_lengths(curve.run.bending_length)} mm" if isinstance(curve, Curve) else curve.run.pair
+    return f"{curve.run.name}, {what}{' (held out)' if held else ''}"
+
+
+def _run(curve: Curve, found: Diagnosis, upper: Any, lower: Any) -> None:  # noqa: ANN401
     run = curve.run
     label, unit = RESPONSES[run.kind]
     drive = run.drive / MILLIMETRE if run.stroke is not None else run.drive
-    corrected = bool(found.model_effects)
     for column in _columns(run.response):
         recorded = run.response[:, column] / unit
         upper.plot(drive, recorded, ".", ms=2.5, color=_RECORDED, label="recording" if column == 0 else None)
-        for shown, values, colour, width, words in (
-            (True, curve.base, _BASE, 0.9, "base refitted"),
-            (corrected, curve.corrected, _CORRECTED, 1.1, "with effects"),
-        ):
-            if shown:
-                model = values[:, column] / unit
-                upper.plot(drive, model, "-", lw=width, color=colour, label=words if column == 0 else None)
-                lower.plot(drive, recorded - model, ".", ms=2.0, color=colour, alpha=0.7)
-    held = found.comparison is not None and run.name in found.comparison.held_out_runs
-    upper.set_title(f"{run.name}, X2 = {_lengths(run.bending_length)} mm{' (held out)' if held else ''}")
+        for values, colour, words in _models(curve, found):
+            model = values[:, column] / unit
+            upper.plot(drive, model, "-", lw=1.0, color=colour, label=words if column == 0 else None)
+            lower.plot(drive, recorded - model, ".", ms=2.0, color=colour, alpha=0.7)
     upper.set_ylabel(label)
-    if first:
-        upper.legend(frameon=False, fontsize=7)
     lower.axhspan(-2.0 * found.noise, 2.0 * found.noise, color="0.9", lw=0, zorder=0)
     lower.axhline(0.0, lw=0.5, color="black", zorder=1)
-    lower.set_ylabel("recorded - model")
     lower.set_xlabel("stroke X1 (mm)" if run.stroke is not None else "tension (N)")
+
+
+def _shape(curve: ShapeCurve, found: Diagnosis, upper: Any, lower: Any) -> None:  # noqa: ANN401
+    seen = np.stack((curve.run.x, curve.run.y)) / MILLIMETRE
+    upper.plot(*seen, ".", ms=2.5, color=_RECORDED, label="recording")
+    for values, colour, words in _models(curve, found):
+        line = values / MILLIMETRE
+        upper.plot(*line, "-", lw=1.0, color=colour, label=words)
+        lower.plot(curve.at / MILLIMETRE, np.hypot(*(seen - line)), ".", ms=2.0, color=colour, alpha=0.7)
+    upper.set_aspect("equal", adjustable="datalim")
+    upper.set_xlabel("x (mm)")
+    upper.set_ylabel("y (mm)")
+    lower.axhspan(0.0, 2.0 * found.noise, color="0.9", lw=0, zorder=0)
+    lower.set_xlabel("arc length (mm)")
+
+
+def _models(curve: Curve | ShapeCurve, found: Diagnosis) -> list[tuple[Floats, str, str]]:
+    models = [(curve.base, _BASE, "base refitted")]
+    return [*models, (curve.corrected, _CORRECTED, "with effects")] if found.model_effects else models
 
 
 def _columns(response: Floats) -> list[int]:
