@@ -287,7 +287,7 @@ def _solve(
         *_bounds(free),
         robust=robust,
         tolerance=tolerance,
-        polish=False,
+        polish=tolerance == TOLERANCE,
     )
 
 
