@@ -11,9 +11,15 @@ from coast_cli.output.columns import COLUMNS
 
 
 def look_up(name: str) -> list[Row]:
-    """Return the entries of a name, each with the columns of ``coast explain``; a key is found by its last part too."""
+    """Return the entries of a name, each with the columns of ``coast explain``.
+
+    A key is found by its last part too, and an effect answers with its parameters.
+    """
     names = [full for full in glossary() if name in {full, full.rpartition(".")[2]}]
-    return [entry for full in names for entry in glossary()[full]]
+    found = [entry for full in names for entry in glossary()[full]]
+    if any("effect of" in str(entry["kind"]) for entry in found):
+        found += [entry for full, below in glossary().items() if full.startswith(f"{name}.") for entry in below]
+    return found
 
 
 @cache
@@ -31,14 +37,17 @@ def _entry(name: str, kind: str, meaning: str, allowed: str | None = None, sourc
 
 def _effects() -> Iterator[Row]:
     from coast_cli.effects.catalogue import CATALOGUE
+    from coast_cli.effects.shapes.catalogue import SHAPE_CATALOGUE
 
-    for effect in CATALOGUE.values():
-        meaning = f"{effect.title} ({effect.component}): {effect.equation}"
-        yield _entry(effect.id, f"{effect.kind} effect", meaning, source=effect.source)
-        for parameter in effect.parameters:
-            allowed = f"{parameter.low:g} to {parameter.high:g}"
-            name = f"{effect.id}.{parameter.name}"
-            yield _entry(name, "parameter of an effect", f"of {effect.title}", allowed, parameter.source)
+    for where, catalogue in (("a joint", CATALOGUE), ("shapes", SHAPE_CATALOGUE)):
+        for effect in catalogue.values():
+            meaning = f"{effect.title} ({effect.component}): {effect.equation}"
+            yield _entry(effect.id, f"{effect.kind} effect of {where}", meaning, source=effect.source)
+            yield _entry(effect.id, "recording that decides", effect.decided_by)
+            for parameter in effect.parameters:
+                allowed = f"{parameter.low:g} to {parameter.high:g}"
+                name = f"{effect.id}.{parameter.name}"
+                yield _entry(name, "parameter of an effect", f"of {effect.title}", allowed, parameter.source)
 
 
 def _keys() -> Iterator[Row]:

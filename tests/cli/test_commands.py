@@ -300,14 +300,23 @@ def test_schema_is_printed_or_written(coast, tmp_path):
 
 def test_explain_knows_every_key_column_and_effect(coast, reference_text):
     from coast_cli.effects.catalogue import CATALOGUE
+    from coast_cli.effects.shapes.catalogue import SHAPE_CATALOGUE
 
     document = tomllib.loads(reference_text)
     keys = [f"{table}.{key}" for table in ("joint", "tendon", "inner", "checks") for key in document[table]]
     columns = [column for command in COLUMNS.values() for column in command]
-    for name in (*keys, *columns, *CATALOGUE):
+    for name in (*keys, *columns, *CATALOGUE, *SHAPE_CATALOGUE):
         ran = coast("explain", name, "-f", "json")
         assert ran.code == 0, ran.err
         assert all(row["meaning"] for row in rows(ran))
+
+
+def test_explain_of_an_effect_says_what_decides_and_gives_its_parameters(coast):
+    found = rows(coast("explain", "tendon_creep", "-f", "json"))
+    assert [row["kind"] for row in found[:2]] == ["physics effect of a joint", "recording that decides"]
+    assert "hold" in found[1]["meaning"]
+    assert [row["name"] for row in found[2:]] == ["tendon_creep.fraction", "tendon_creep.time_constant_s"]
+    assert all(row["allowed"] and row["source"] for row in found[2:])
 
 
 def test_explain_answers_an_unknown_name_with_the_nearest(coast):

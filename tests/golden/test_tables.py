@@ -18,7 +18,7 @@ TABLES = {
     "beam": ("beam", CONFIG, "--tube", "OT3", "--tube", "MT3", "--points", "6"),
     "check": ("check", CONFIG),
     "check-junit": ("check", CONFIG, "--format", "junit"),
-    "explain": ("explain", "notch_end_effect"),
+    "explain": ("explain", "backlash"),
 }
 
 
