@@ -29,7 +29,9 @@ _FITTED_SINGLES = 9
 _FITTED_NEXT = 5
 _FINISHED_SINGLES = 5
 _FINISHED_NEXT = 4
-_RACE_STEPS = 4
+_RACE_STEPS = 5
+_STARTS = 2
+_SECOND_START = 0.6
 _GROWN_FROM = 2
 _WORTH_GROWING = 4.0
 # Up to this many noise levels a smooth gain may be the colour of the noise.
@@ -111,11 +113,15 @@ def _race(
     started: dict[frozenset[str], Fit] = {}
     for parent in frontier:
         starts = screen(problem, parent.fit, [c for c in candidates if c.id not in parent.ids], scales)
-        for effect in starts[:most]:
+        wanted = list(dict.fromkeys(effect.id for effect in starts))[:most]
+        for effect in starts:
             key = frozenset((*parent.ids, effect.id))
-            if key not in started:
-                effects = in_order((*parent.fit.effects, effect))
-                started[key] = fit(problem, effects, parent.fit.coordinates, steps=_RACE_STEPS, polish=False)
+            if effect.id not in wanted or (key in started and parent is not frontier[0]):
+                continue
+            effects = in_order((*parent.fit.effects, effect))
+            begun = fit(problem, effects, parent.fit.coordinates, steps=_RACE_STEPS, polish=False)
+            if key not in started or begun.rmse < started[key].rmse:
+                started[key] = begun
     return sorted(started.values(), key=lambda fitted: _plain_error(problem, fitted))
 
 
@@ -170,7 +176,7 @@ def applicable(problem: Problem) -> list[type[Effect]]:
 def screen(
     problem: Problem, parent: Fit, candidates: Iterable[type[Effect]], scales: dict[Scale, float]
 ) -> list[Effect]:
-    """Return a start for each candidate, best first, by how much of the residual a first step could take away.
+    """Return starts of each candidate, best first, by how much of the residual a first step could take away.
 
     Every start of every effect costs one prediction; base and effect parameters already there may move along (linear).
     """
@@ -185,7 +191,7 @@ def screen(
     left = residual - nuisance @ (nuisance.T @ residual)
     found = []
     for candidate in candidates:
-        best: tuple[float, Effect] | None = None
+        best: list[tuple[float, Effect]] = []
         for start in starts_of(candidate, scales):
             effects = in_order((*parent.effects, start))
             moved = stacked(problem.fitted(problem.predict(parent.coordinates, effects)))
@@ -196,10 +202,10 @@ def screen(
                 continue
             amount = float(change @ left) / size
             gain = float(change @ left) ** 2 / size if amount > 0.0 or _signed(candidate) else 0.0
-            if best is None or gain > best[0]:
-                best = gain, _scaled(start, float(np.copysign(np.clip(abs(amount), 0.1, 4.0), amount if gain else 1.0)))
-        if best is not None:
-            found.append(best)
+            step = float(np.copysign(np.clip(abs(amount), 0.1, 4.0), amount if gain else 1.0))
+            best.append((gain, _scaled(start, step)))
+        best.sort(key=lambda pair: -pair[0])
+        found.extend(pair for pair in best[:_STARTS] if pair[0] >= _SECOND_START * best[0][0])
     found.sort(key=lambda pair: -pair[0])
     return [effect for _, effect in found]
 

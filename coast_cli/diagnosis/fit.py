@@ -8,13 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from coast_cli.diagnosis.likelihood import Evidence
-from coast_cli.diagnosis.problem import Problem
+from coast_cli.diagnosis.problem import Booleans, Problem
 from coast_cli.effects.effect import Effect
 from coast_cli.mechanics.section import FloatArray
 
 _DIFFERENCE = 1e-4
 _ROUGH_STEPS = 14
 _FINE_STEPS = 5
+_SIZES_FIRST = 3  # steps in which shapes stay where they start
 _GAIN = 5e-4  # relative fall of the cost under which a fit has settled
 
 
@@ -58,13 +59,19 @@ class Fit:
 
 @dataclass(frozen=True, slots=True)
 class _Space:
-    """The joint vector of base and effect parameters: bounds, step scales, and how it becomes effects."""
+    """The joint vector of base and effect parameters, and how it becomes effects.
+
+    Attributes:
+        low, high: bounds. scale: step of a difference. reach: longest step. shape: which parameters are shapes; all (q,).
+    """
 
     problem: Problem
     effects: tuple[Effect, ...]
     low: FloatArray
     high: FloatArray
     scale: FloatArray
+    reach: FloatArray
+    shape: Booleans
 
     def split(self, vector: FloatArray) -> tuple[FloatArray, tuple[Effect, ...]]:
         """Return base coordinates and effects of a vector."""
@@ -104,7 +111,9 @@ def fit(
     vector = np.concatenate([base, *(np.array(effect.values()) for effect in ordered)])
     vector = np.clip(vector, space.low, space.high)
     weights = (problem.noise, problem.tension_noise or 1.0)
-    vector, jacobian, converged = _descend(space, vector, weights, (0, 0), steps)
+    vector, jacobian, converged = _descend(space, vector, weights, (0, 0), min(steps, _SIZES_FIRST), ~space.shape)
+    if steps > _SIZES_FIRST and np.any(space.shape) or not converged:
+        vector, jacobian, converged = _descend(space, vector, weights, (0, 0), steps - min(steps, _SIZES_FIRST))
     evidence, tension_evidence = _evidence(space, vector)
     if polish:
         weights = (max(evidence.level, 1e-15), max(tension_evidence.level, 1e-15))
@@ -140,13 +149,17 @@ def _space(problem: Problem, effects: tuple[Effect, ...]) -> _Space:
     spread = [
         0.1 if parameter.logarithmic else max(parameter.prior * 0.3, 1e-6) for parameter in problem.base
     ]
-    lows, highs = [*low], [*high]
+    lows, highs, reach, shape = [*low], [*high], [3.0 * s for s in spread], [False] * len(spread)
+    for place, parameter in enumerate(problem.base):
+        reach[place] = 0.7 if parameter.logarithmic else max(parameter.prior, 1e-6)
     for effect in effects:
         for parameter, value in zip(effect.parameters, effect.values(), strict=True):
             lows.append(parameter.low)
             highs.append(parameter.high)
             spread.append(max(abs(value), (parameter.high - parameter.low) * 1e-3))
-    return _Space(problem, effects, np.array(lows), np.array(highs), np.array(spread))
+            shape.append(parameter.role == "shape")
+            reach.append(max(0.4 * abs(value), 0.05 * (parameter.high - parameter.low)) if shape[-1] else np.inf)
+    return _Space(problem, effects, np.array(lows), np.array(highs), np.array(spread), np.array(reach), np.array(shape))
 
 
 def _prior_residual(problem: Problem, vector: FloatArray) -> FloatArray:
@@ -170,17 +183,27 @@ def _weighted(
 
 
 def _descend(
-    space: _Space, vector: FloatArray, weights: tuple[float, float], colours: tuple[int, int], steps: int
+    space: _Space,
+    vector: FloatArray,
+    weights: tuple[float, float],
+    colours: tuple[int, int],
+    steps: int,
+    moving: Booleans | None = None,
 ) -> tuple[FloatArray, FloatArray, bool]:
-    """Levenberg-Marquardt with steps kept inside the bounds; return vector, Jacobian and whether it settled."""
+    """Levenberg-Marquardt with steps kept inside the bounds; return vector, Jacobian and whether it settled.
+
+    Args:
+        moving: which parameters move; all by default.
+    """
+    free = np.ones(vector.size, bool) if moving is None else moving
     residual = _weighted(space, vector, weights, colours)
     cost = float(residual @ residual)
     damping, jacobian, settled = 1e-3, np.zeros((residual.size, vector.size)), False
     for _ in range(steps):
-        jacobian = _jacobian(space, vector, residual, weights, colours)
+        jacobian = _jacobian(space, vector, residual, weights, colours, free)
         gradient = jacobian.T @ residual
         blocked = ((vector <= space.low) & (gradient > 0)) | ((vector >= space.high) & (gradient < 0))
-        active = ~blocked
+        active = free & ~blocked
         if not np.any(active):
             settled = True
             break
@@ -191,6 +214,7 @@ def _descend(
         for _ in range(6):
             step = np.zeros_like(vector)
             step[active] = -np.linalg.solve(normal + damping * np.diag(diagonal), gradient[active])
+            step = np.clip(step, -space.reach, space.reach)
             trial = np.clip(vector + step, space.low, space.high)
             trial_residual = _weighted(space, trial, weights, colours)
             trial_cost = float(trial_residual @ trial_residual)
@@ -208,15 +232,23 @@ def _descend(
             settled = True
             break
     if not np.any(jacobian):
-        jacobian = _jacobian(space, vector, residual, weights, colours)
+        jacobian = _jacobian(space, vector, residual, weights, colours, free)
     return vector, jacobian, settled
 
 
 def _jacobian(
-    space: _Space, vector: FloatArray, residual: FloatArray, weights: tuple[float, float], colours: tuple[int, int]
+    space: _Space,
+    vector: FloatArray,
+    residual: FloatArray,
+    weights: tuple[float, float],
+    colours: tuple[int, int],
+    free: Booleans,
 ) -> FloatArray:
     columns = []
     for place in range(vector.size):
+        if not free[place]:
+            columns.append(np.zeros_like(residual))
+            continue
         step = _DIFFERENCE * space.scale[place]
         if vector[place] + step > space.high[place]:
             step = -step

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Self
+
+import numpy as np
 
 from coast_cli.effects.effect import Parameter
 from coast_cli.effects.shapes.effect import ShapeEffect
@@ -28,6 +31,20 @@ class CameraTilt(ShapeEffect):
         Parameter("perspective_per_m", 0.0, -4.0, 4.0, (0.0, 0.2, -0.2), "tilt over the camera's distance"),
     )
     decided_by = "a grid in the plane of the tube, in the same picture"
+
+    @classmethod
+    def one_sided(cls) -> bool:
+        """Return that every side has a start of its own."""
+        return True
+
+    def scaled(self, amount: float) -> Self:
+        """Return both tilts times the amount."""
+        factor = float(np.clip(amount, 1e-3, 10.0))
+        return replace(
+            self,
+            foreshortening=float(np.clip(self.foreshortening * factor, -0.28, 0.28)),
+            perspective_per_m=float(np.clip(self.perspective_per_m * factor, -3.8, 3.8)),
+        )
 
     def see(self, x: FloatArray, y: FloatArray, centre: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
         """Project."""

@@ -85,13 +85,16 @@ class ShapeEffect(Effect):
 
     ``expected`` holds (mean, standard deviation) of parameters that physics foretells; ``of_one_tube`` marks effects
     that may sit on one tube alone; ``on_pairs`` those that only an assembled pair can have; ``is_local`` those shorter
-    than a few pitches.
+    than a few pitches. ``order`` is the power of its amplitude with which a small effect grows; ``logarithmic`` names
+    the parameters that a fit moves by factors.
     """
 
     expected: ClassVar[Mapping[str, tuple[float, float]]] = {}
     of_one_tube: ClassVar[bool] = False
     on_pairs: ClassVar[bool] = False
     is_local: ClassVar[bool] = False
+    order: ClassVar[int] = 1
+    logarithmic: ClassVar[tuple[str, ...]] = ()
 
     @classmethod
     def fitted(cls) -> tuple[Parameter, ...]:
@@ -140,6 +143,21 @@ class ShapeEffect(Effect):
             most = max(abs(start * size - (parameter.null if size == 1.0 else 0.0)) for start in parameter.starts)
             found.append(cls.expected[parameter.name][1] if parameter.name in cls.expected else 2.0 * max(most, 1e-9))
         return np.array(found)
+
+    def scaled(self, amount: float) -> Self:
+        """Return the effect made ``amount`` times as strong, to first order, inside its ranges."""
+        parameter = self.fitted()[0]
+        value = getattr(self, parameter.name)
+        factor = float(np.sign(amount) * np.clip(abs(amount), 1e-3, 30.0) ** (1.0 / self.order))
+        inside = 0.02 * (parameter.high - parameter.low)
+        moved = float(np.clip(parameter.null + (value - parameter.null) * factor, parameter.low, parameter.high - inside))
+        return replace(self, **{parameter.name: moved})
+
+    @classmethod
+    def one_sided(cls) -> bool:
+        """Return whether the effect cannot be turned round: it is null at the end of its range."""
+        parameter = cls.fitted()[0]
+        return parameter.null <= parameter.low
 
     def acts_on(self, number: int) -> bool:
         """Return whether the effect sits on the tube of that number."""

@@ -28,7 +28,7 @@ class LocalStiffnessDefect(ShapeEffect):
     title = "one place softer or stiffer"
     component = "notch"
     stage = "structure"
-    equation = "EI(s) -> ratio EI(s) for |s - arc_length| < length/2"
+    equation = "1/EI(s) -> 1/EI(s) + (1/ratio - 1)/EI_series for |s - arc_length| < length/2"
     source = "a cracked or burnt strip, solder or glue in a few notches"
     parameters = (
         Parameter("arc_length_mm", 0.0, 0.0, 5000.0, (1.0,), "anywhere on the tube"),
@@ -38,6 +38,7 @@ class LocalStiffnessDefect(ShapeEffect):
     )
     of_one_tube = True
     is_local = True
+    logarithmic = ("stiffness_ratio", "length_mm")
     decided_by = "the same tube clamped further along, so that the place moves in the picture"
 
     @classmethod
@@ -51,14 +52,27 @@ class LocalStiffnessDefect(ShapeEffect):
 
     @classmethod
     def widths(cls, scene: Scene) -> np.ndarray:
-        """Return the prior widths: the whole tube, and a factor of what is there."""
+        """Return the prior widths: the whole tube, and factors."""
         length = scene.length / MILLIMETRE
-        return np.array([length, 1.0, _LONG * length])
+        return np.array([length, 1.5, 1.5])
+
+    @classmethod
+    def one_sided(cls) -> bool:
+        """Return that soft and stiff places have starts of their own."""
+        return True
+
+    def scaled(self, amount: float) -> Self:
+        """Return the place with its added compliance times the amount."""
+        added = float(np.clip(amount, 0.02, 100.0)) * (1.0 / self.stiffness_ratio - 1.0)
+        return replace(self, stiffness_ratio=float(np.clip(1.0 / max(1.0 + added, 1e-6), 0.012, 40.0)))
 
     def pieces(self, pieces: Pieces) -> Pieces:
-        """Change the compliance of every piece by the part of it that lies inside."""
+        """Add compliance evenly where the tube is softer; take the same share off every piece where it is stiffer."""
         ends = np.cumsum(pieces.length)
         low = (self.arc_length_mm - self.length_mm / 2.0) * MILLIMETRE
         high = (self.arc_length_mm + self.length_mm / 2.0) * MILLIMETRE
         inside = np.clip(np.minimum(ends, high) - np.maximum(ends - pieces.length, low), 0.0, None) / pieces.length
-        return replace(pieces, rigidity=pieces.rigidity / (1.0 + inside * (1.0 / self.stiffness_ratio - 1.0)))
+        own = 1.0 / pieces.rigidity
+        # Evenly, not piece by piece: else a fit of the place would find a minimum at every notch.
+        base = float(own @ pieces.length) / float(pieces.length.sum()) if self.stiffness_ratio < 1.0 else own
+        return replace(pieces, rigidity=1.0 / (own + inside * base * (1.0 / self.stiffness_ratio - 1.0)))

@@ -28,6 +28,7 @@ class RollMisalignment(ShapeEffect):
     source = "P (8) as a vector; projection of a curve in space"
     parameters = (Parameter("angle_deg", 0.0, 0.0, 180.0, (10.0, 25.0), "set by eye to a few degrees"),)
     on_pairs = True
+    order = 2
     decided_by = "the pair turned by 90 degrees, where what left the plane lies in it; and each tube alone"
 
     def loads(self, loads: Loads) -> Loads:
