@@ -56,8 +56,8 @@ def pair_table(
 
     Args:
         outer, middle: any numbers of tubes.
-        assembly: "separate" puts each tube's own sag into (8) (P); "coupled" lets the overlap of each pair sag as one
-            beam of summed rigidities and weights.
+        assembly: "separate" puts each tube's own sag into (8) (P); "coupled" lets each pair sag as one beam of summed
+            rigidities and weights, of which what the longer tube sticks out by hangs at the end.
     """
     shape = (len(middle), len(outer))
     zeros = [np.zeros(shape) for _ in range(6)]
@@ -73,19 +73,23 @@ def pair_table(
         table.converged[:] = solved[0].converged & solved[1].converged[:, None]
     for outer_group in _patterns(outer):
         for middle_group in _patterns(middle):
-            length, nodes = _common_pieces(outer[outer_group[0]], middle[middle_group[0]])
+            nodes, overlap = _common_nodes(outer[outer_group[0]], middle[middle_group[0]])
+            if assembly == "separate":
+                nodes = nodes[: overlap + 1]
+            length = np.diff(nodes)
             pieces = (
                 _on_pieces(outer, outer_group, solved[0], nodes),
                 _on_pieces(middle, middle_group, solved[1], nodes),
             )
             for block in _blocks(outer_group, middle_group, length.size):
-                _fill(table, length, pieces, block, gravity, assembly)
+                _fill(table, length, overlap, pieces, block, gravity, assembly)
     return table
 
 
 def _fill(
     table: PairTable,
     length: FloatArray,
+    overlap: int,
     pieces: tuple[_Pieces, _Pieces],
     block: tuple[NDArray[np.int64], NDArray[np.int64], slice],
     gravity: float,
@@ -96,12 +100,14 @@ def _fill(
     outer, middle = pieces
     rigidity = outer.rigidity + middle.rigidity[rows, None, :]
     here = np.ix_(middle_tubes[rows], outer_tubes)
-    table.total_mean[here] = rigidity @ length / length.sum()
-    table.total_series[here] = length.sum() / ((1.0 / rigidity) @ length)
+    common = length[:overlap]
+    table.total_mean[here] = rigidity[..., :overlap] @ common / common.sum()
+    table.total_series[here] = common.sum() / ((1.0 / rigidity[..., :overlap]) @ common)
     if assembly == "separate":
         bend = (outer.rigidity * outer.turn + (middle.rigidity * middle.turn)[rows, None, :]) / rigidity
     else:
         bend, table.converged[here] = _coupled_bend(length, rigidity, outer, middle, rows, gravity)
+    bend = bend[..., :overlap]
     table.signed_precurvature[here] = bend.sum(axis=-1)
     table.total_precurvature[here] = np.abs(bend, out=bend).sum(axis=-1)
 
@@ -129,30 +135,36 @@ def _patterns(tubes: Sequence[NotchedTube]) -> list[NDArray[np.int64]]:
     return [np.array(group) for group in groups.values()]
 
 
-def _common_pieces(one: NotchedTube, other: NotchedTube) -> tuple[FloatArray, FloatArray]:
-    """Return lengths and nodes (m) of the pieces on which both patterns are constant, over the overlap."""
+def _common_nodes(one: NotchedTube, other: NotchedTube) -> tuple[FloatArray, int]:
+    """Return the ends (m) of the pieces on which both patterns are constant, and how many pieces overlap."""
     ends = [np.cumsum(tube.segments.length) for tube in (one, other)]
     overlap = min(end[-1] for end in ends)
     nodes = np.sort(np.concatenate((np.zeros(1), *ends)))
     nodes = nodes[np.append(True, np.diff(nodes) > 1e-9 * overlap)]
-    nodes = np.append(nodes[nodes < overlap * (1.0 - 1e-9)], overlap)
-    return np.diff(nodes), nodes
+    last = int(np.argmin(np.abs(nodes - overlap)))
+    nodes[last] = overlap
+    return nodes, last
 
 
 def _on_pieces(
     tubes: Sequence[NotchedTube], group: NDArray[np.int64], solved: BeamSolutions, nodes: FloatArray
 ) -> _Pieces:
-    """Return the tubes of one pattern on common pieces; the angle is taken linear inside a tube's own piece."""
+    """Return the tubes of one pattern on common pieces; the angle is taken linear inside a tube's own piece.
+
+    Beyond a tube's own end it has neither rigidity nor weight.
+    """
     pieces = [tubes[index].segments for index in group]
     ends = np.concatenate(([0.0], np.cumsum(pieces[0].length)))
-    own = np.minimum(np.searchsorted(ends, 0.5 * (nodes[1:] + nodes[:-1])), ends.size - 1) - 1
+    middle = 0.5 * (nodes[1:] + nodes[:-1])
+    own = np.minimum(np.searchsorted(ends, middle), ends.size - 1) - 1
+    there = middle < ends[-1]
     angle = solved.angle[group][:, : ends.size]
     left = np.minimum(np.searchsorted(ends, nodes, side="right"), ends.size - 1) - 1
     share = (nodes - ends[left]) / np.diff(ends)[left]
     at_nodes = angle[:, left] + share * (angle[:, left + 1] - angle[:, left])
     return _Pieces(
-        rigidity=np.stack([piece.rigidity for piece in pieces])[:, own],
-        weight=np.stack([piece.weight for piece in pieces])[:, own],
+        rigidity=np.stack([piece.rigidity for piece in pieces])[:, own] * there,
+        weight=np.stack([piece.weight for piece in pieces])[:, own] * there,
         turn=np.diff(at_nodes, axis=1),
         natural_curvature=np.array([[tubes[index].natural_curvature] for index in group]),
     )
