@@ -43,16 +43,22 @@ def solve(model: FrameModel, load_steps: int) -> tuple[float, float, float] | No
     return float(model.x[-1]) + ops.nodeDisp(tip, 1), float(model.y[-1]) + ops.nodeDisp(tip, 2), ops.nodeDisp(tip, 3)
 
 
-print("natural_curvature_per_m,elements_per_piece,load_steps,tip_x_m,tip_y_m,tip_angle_rad,seconds")
-for curvature in NATURAL_CURVATURES:
-    for parts in (1, 2, 4):
-        frame = frame_model(curvature, parts)
-        for steps in LOAD_STEPS:
-            start = time.process_time()
-            found = solve(frame, steps)
-            seconds = time.process_time() - start
-            if found is not None:
-                tip_x, tip_y, turn = found
-                angle = turn + curvature * 0.1128
-                print(f"{curvature},{parts},{steps},{tip_x:.15g},{tip_y:.15g},{angle:.15g},{seconds:.3f}")
-                break
+def main() -> None:
+    """Solve every tube at three finenesses."""
+    print("natural_curvature_per_m,elements_per_piece,load_steps,tip_x_m,tip_y_m,tip_angle_rad,seconds")
+    for curvature in NATURAL_CURVATURES:
+        for parts in (1, 2, 4):
+            frame = frame_model(curvature, parts)
+            for steps in LOAD_STEPS:
+                start = time.process_time()
+                found = solve(frame, steps)
+                seconds = time.process_time() - start
+                if found is not None:
+                    tip_x, tip_y, turn = found
+                    angle = turn + curvature * 0.1128
+                    print(f"{curvature},{parts},{steps},{tip_x:.15g},{tip_y:.15g},{angle:.15g},{seconds:.3f}")
+                    break
+
+
+if __name__ == "__main__":
+    main()
