@@ -17,7 +17,7 @@ REFUSED = "refused"  # the error type that carries its own "allowed" text
 class Document(BaseModel):
     """A table of a configuration: unknown keys are refused, types are not coerced, values do not change."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False, defer_build=True)
 
 
 class Calibrated(Document):
