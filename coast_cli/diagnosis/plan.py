@@ -30,7 +30,7 @@ _MISSING = {
     "stroke": "needs a stroke as the drive",
     "time": "needs time",
     "release": "needs a release",
-    "pairs": "needs a second pair, or notches of several depths",
+    "pairs": "needs several notch depths",
     "outer": "needs an outer tube",
 }
 

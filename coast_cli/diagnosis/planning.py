@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 _CURVATURE_NOISE = 0.25  # 1/m: the paper's camera
 _ANGLE_NOISE = 0.5  # degrees
+_DIGITS = 3  # what sizing to 1 % is worth
+_MOSTLY = 0.3
 Row = dict[str, str | float | bool | None]
 
 
@@ -119,11 +121,12 @@ def _row(one: Outlook) -> Row:
     if one.effect is not None:
         sizes = [p.name for p in one.effect.parameters if p.role == "size"]
         row["size"] = " ".join(f"{name}={getattr(one.effect, name):.3g}" for name in sizes)
-        row["change_noise"], row["visible_noise"] = one.change, one.visible
+        row["change_noise"], row["visible_noise"] = round(one.change, _DIGITS), round(one.visible, _DIGITS)
         if one.is_visible:
-            row["closest"], row["apart_noise"] = one.closest or None, one.apart
+            row["closest"], row["apart_noise"] = one.closest or None, round(one.apart, _DIGITS)
         else:
-            row["reason"] = "refitted parameters take it up"
+            taken = one.visible < _MOSTLY * one.change
+            row["reason"] = "refitted parameters take it" if taken else "too small in its whole range"
     return row
 
 

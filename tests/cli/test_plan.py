@@ -42,7 +42,7 @@ def test_rows_answer_for_the_whole_catalogue_what_is_told_apart_first(coast, ref
         (r["told_apart"] for r in rows.values()), reverse=True
     )
     assert rows["backlash"]["told_apart"]
-    assert rows["camera_scale"]["reason"] == "refitted parameters take it up"
+    assert rows["camera_scale"]["reason"] == "refitted parameters take it"
     assert "noise 0.25 1/m (assumed)" in ran.err
     assert "tension is not recorded" in ran.err
 
