@@ -7,7 +7,7 @@ Neural Computation 4 (1992) 415). Sets grow one effect at a time, only while an 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -189,7 +189,7 @@ def screen(
     residual = stacked((problem.observed, problem.observed_tension)) - stacked((response, tension))
     nuisance = np.linalg.qr(_directions(problem, parent, stacked, stacked((response, tension))))[0]
     left = residual - nuisance @ (nuisance.T @ residual)
-    found = []
+    found: list[tuple[float, Effect]] = []
     for candidate in candidates:
         best: list[tuple[float, Effect]] = []
         for start in starts_of(candidate, scales):
@@ -222,7 +222,7 @@ def starts_of(effect: type[Effect], scales: dict[Scale, float]) -> list[Effect]:
 def _directions(
     problem: Problem,
     parent: Fit,
-    stacked: object,
+    stacked: Callable[[tuple[FloatArray, FloatArray]], FloatArray],
     origin: FloatArray,
 ) -> FloatArray:
     """Return how the prediction moves with each parameter that is already fitted, (n, q), one column a parameter."""
@@ -230,7 +230,7 @@ def _directions(
     for place in range(parent.coordinates.size):
         moved = parent.coordinates.copy()
         moved[place] += 1e-3
-        columns.append(stacked(problem.fitted(problem.predict(moved, parent.effects))) - origin)  # type: ignore[operator]
+        columns.append(stacked(problem.fitted(problem.predict(moved, parent.effects))) - origin)
     for index, effect in enumerate(parent.effects):
         for parameter in effect.parameters:
             value = getattr(effect, parameter.name)
@@ -239,7 +239,7 @@ def _directions(
                 step = -step
             changed = replace(effect, **{parameter.name: value + step})
             effects = (*parent.effects[:index], changed, *parent.effects[index + 1 :])
-            columns.append(stacked(problem.fitted(problem.predict(parent.coordinates, effects))) - origin)  # type: ignore[operator]
+            columns.append(stacked(problem.fitted(problem.predict(parent.coordinates, effects))) - origin)
     scaled = [column / norm for column in columns if (norm := float(np.linalg.norm(column))) > 0.0]
     return np.stack(scaled, axis=1) if scaled else np.zeros((origin.size, 1))
 

@@ -202,7 +202,8 @@ class _Judge:
         if verdict == "unexplained":
             kept = "needs direction or history" if structure.memory else "needs neither direction nor history"
             repeats = f"{100 * max(structure.repeats, 0.0):.0f} % of it repeats from run to run"
-            return f"{to_unit(kind, excess):.3g} {unit} is left that no effect of the catalogue explains; {repeats}, and it {kept}"
+            size = f"{to_unit(kind, excess):.3g} {unit}"
+            return f"{size} is left that no effect of the catalogue explains; {repeats}, and it {kept}"
         if verdict == "ambiguous":
             return "several sets of effects explain the recording alike"
         return "the named effects explain what the base model leaves over"

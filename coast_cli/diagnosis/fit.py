@@ -112,7 +112,7 @@ def fit(
     vector = np.clip(vector, space.low, space.high)
     weights = (problem.noise, problem.tension_noise or 1.0)
     vector, jacobian, converged = _descend(space, vector, weights, (0, 0), min(steps, _SIZES_FIRST), ~space.shape)
-    if steps > _SIZES_FIRST and np.any(space.shape) or not converged:
+    if (steps > _SIZES_FIRST and np.any(space.shape)) or not converged:
         vector, jacobian, converged = _descend(space, vector, weights, (0, 0), steps - min(steps, _SIZES_FIRST))
     evidence, tension_evidence = _evidence(space, vector)
     if polish:
@@ -125,7 +125,7 @@ def fit(
     residual, tension_residual = problem.observed - response, problem.observed_tension - tension
     coordinates, fitted = space.split(vector)
     normal = jacobian.T @ jacobian
-    covariance = np.linalg.pinv(normal, hermitian=True)
+    covariance = np.asarray(np.linalg.pinv(normal, hermitian=True), dtype=np.float64)
     prior = -0.5 * float(np.sum(_prior_residual(problem, vector) ** 2))
     margin = 1e-6 * (space.high - space.low)
     touching = (vector <= space.low + margin) | (vector >= space.high - margin)
@@ -150,8 +150,8 @@ def _space(problem: Problem, effects: tuple[Effect, ...]) -> _Space:
         0.1 if parameter.logarithmic else max(parameter.prior * 0.3, 1e-6) for parameter in problem.base
     ]
     lows, highs, reach, shape = [*low], [*high], [3.0 * s for s in spread], [False] * len(spread)
-    for place, parameter in enumerate(problem.base):
-        reach[place] = 0.7 if parameter.logarithmic else max(parameter.prior, 1e-6)
+    for place, own in enumerate(problem.base):
+        reach[place] = 0.7 if own.logarithmic else max(own.prior, 1e-6)
     for effect in effects:
         for parameter, value in zip(effect.parameters, effect.values(), strict=True):
             lows.append(parameter.low)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -81,7 +82,7 @@ def _after_first_cycle(runs: Sequence[JointRun]) -> HoldOut | None:
     for run in runs:
         held = np.zeros(len(run), bool)
         ways = [part for part in run.branches.parts if part.direction != 0 and part.stop - part.start >= _FEWEST_IN_BRANCH]
-        turns = [part.start for before, part in zip(ways, ways[1:], strict=False) if part.direction != before.direction]
+        turns = [part.start for before, part in pairwise(ways) if part.direction != before.direction]
         after = turns[1] if len(turns) >= 2 else len(run)
         if (1.0 - _MOST_KEPT_BACK) * len(run) <= after <= (1.0 - _LEAST_KEPT_BACK) * len(run):
             held[after:] = True

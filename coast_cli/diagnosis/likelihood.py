@@ -114,7 +114,10 @@ def _factors(key: bytes, kernel: Kernel) -> tuple[FloatArray, FloatArray]:
     if found is None:
         rows = np.frombuffer(key, dtype=np.int64)
         lag = np.abs(rows[:, np.newaxis] - rows)
-        covariance = np.stack([(1.0 - white) * _correlation(lag, p, kernel) + white * np.eye(rows.size) for p, white in _colours(kernel)])
+        alone = np.eye(rows.size)
+        covariance = np.stack(
+            [(1.0 - white) * _correlation(lag, parameter, kernel) + white * alone for parameter, white in _colours(kernel)]
+        )
         factor = np.linalg.cholesky(covariance)
         log_determinant = 2.0 * np.sum(np.log(np.diagonal(factor, axis1=1, axis2=2)), axis=1)
         found = np.linalg.inv(factor), log_determinant

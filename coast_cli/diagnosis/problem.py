@@ -351,7 +351,7 @@ def _difference_level(columns: Sequence[FloatArray]) -> float:
     if not differences:
         return 1e-9
     spread = np.concatenate(differences)
-    level = float(np.median(spread)) / 0.6745 / np.sqrt(6.0)
+    level = float(np.median(spread) / 0.6745 / np.sqrt(6.0))
     return max(level, float(np.mean(spread)) * 1e-3, 1e-9)
 
 

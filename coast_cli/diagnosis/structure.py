@@ -1,4 +1,4 @@
-"""What no named effect explains: is there still structure in a residual, and of what kind?
+"""What no named effect explains: whether there is still structure in a residual, and of what kind.
 
 Two tests, neither of which knows any physics. *Repeats*: a Gaussian process on the drive's state (drive, direction,
 largest drive so far, bending length, time) is trained on other runs and must predict this one; coloured noise cannot be

@@ -47,7 +47,9 @@ class Parameter:
 
 
 # Shared by the effects that bend the segment at rest: whether the stroke is zeroed on the straight or the rest shape.
-HOMED = Parameter("homed", 0.0, 0.0, 1.0, (0.0, 1.0), "0: zeroed once on a straight segment; 1: at rest before each run", role="shape")
+HOMED = Parameter(
+    "homed", 0.0, 0.0, 1.0, (0.0, 1.0), "0: zeroed once on a straight segment; 1: at rest before each run", role="shape"
+)
 
 
 @dataclass(frozen=True, slots=True)

@@ -105,7 +105,7 @@ def _with_slack(
     layout: Layout,
     cache: dict[tuple[float, float], _Tables],
     low: FloatArray,
-    high: FloatArray,
+    high: FloatArray | None,
     stations: Stations,
 ) -> tuple[FloatArray, FloatArray]:
     """Return curvature and tension of a stroke-driven run; tendon memory takes from the stroke until both agree."""
@@ -226,10 +226,7 @@ def _tabulate(
             axis = joint.deadband - rest + stations.shortening(curvature) + _stretch(joint, effects, tension)
         else:
             axis = tension
-        if direction > 0:
-            axis = np.maximum.accumulate(axis)
-        else:
-            axis = np.minimum.accumulate(axis[::-1])[::-1]
+        axis = np.maximum.accumulate(axis) if direction > 0 else np.minimum.accumulate(axis[::-1])[::-1]
         sides.append((axis, curvature))
     return _Tables(replace(stations, rest_path=rest, rest=0.5 * (sides[0][1][0] + sides[-1][1][0])), *sides[0], *sides[-1])
 

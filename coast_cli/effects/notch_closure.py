@@ -24,9 +24,14 @@ class NotchClosure(Effect):
     equation = "M = EI (kappa + added_stiffness past(kappa, closure_ratio kappa_n)), kappa_n pitch = cut/(ro + ybar)"
     source = "physics.md, sizes worth knowing: notch faces touch at cut/(ro + ybar)"
     parameters = (
-        Parameter("closure_ratio", 1.0, 1e-4, 3.0, (0.35, 0.55, 0.75, 0.9), "1 by geometry; burrs close early", "closure", role="shape"),
+        Parameter(
+            "closure_ratio", 1.0, 1e-4, 3.0, (0.35, 0.55, 0.75, 0.9),
+            "1 by geometry; burrs close early", "closure", role="shape"
+        ),
         Parameter("added_stiffness", 0.0, 0.0, 200.0, (2.0, 20.0), "the closed strip is a full ring in compression"),
-        Parameter("knee_width", 0.05, 0.003, 0.4, (0.05,), "relative to the closure; faces close unevenly", role="shape"),
+        Parameter(
+            "knee_width", 0.05, 0.003, 0.4, (0.05,), "relative to the closure; faces close unevenly", role="shape"
+        ),
     )
     decided_by = "one loading sweep past the closing angle cut/(ro + ybar) of the notches, with tension recorded"
 

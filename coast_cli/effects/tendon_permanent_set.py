@@ -28,8 +28,14 @@ class TendonPermanentSet(Effect):
     source = "residual strain of cycled nitinol wire: Miyazaki et al., Metall. Trans. A 17 (1986) 115"
     parameters = (
         Parameter("slack_mm_per_n", 0.0, 0.0, 3.0, (0.1,), "up to a per cent of a 0.4 m wire"),
-        Parameter("threshold_n", 0.0, 0.0, 20.0, (0.0, 0.4, 0.7), "below the plateau nothing is left", "tension", role="shape"),
-        Parameter("carried", 1.0, 0.0, 1.0, (1.0, 0.0), "share that is still there in later runs; 0 where re-zeroed", role="shape"),
+        Parameter(
+            "threshold_n", 0.0, 0.0, 20.0, (0.0, 0.4, 0.7),
+            "below the plateau nothing is left", "tension", role="shape"
+        ),
+        Parameter(
+            "carried", 1.0, 0.0, 1.0, (1.0, 0.0),
+            "share that is still there in later runs; 0 where re-zeroed", role="shape"
+        ),
     )
     needs = ("stroke", "release")
     decided_by = "two cycles to the same stroke and one larger, each returning to zero, with tension recorded"

@@ -27,7 +27,10 @@ class ThermalDrift(Effect):
     parameters = (
         Parameter("stiffness_change", 0.0, -0.9, 5.0, (0.05, 0.0), "tens of per cent"),
         Parameter("zero_change", 0.0, -100.0, 100.0, (0.0, 0.05), "SI unit of the response", "response"),
-        Parameter("time_constant_s", 1000.0, 0.05, 1e6, (0.1, 0.4, 3.0), "a fraction of the recording and longer", "duration", role="shape"),
+        Parameter(
+            "time_constant_s", 1000.0, 0.05, 1e6, (0.1, 0.4, 3.0),
+            "a fraction of the recording and longer", "duration", role="shape"
+        ),
     )
     needs = ("time",)
     decided_by = "the same sweep repeated at the start and at the end of an hour, slack in between"
