@@ -26,6 +26,7 @@ Residual = Callable[["Floats"], "Floats"]
 TOLERANCE = 1e-14
 MOST_EVALUATIONS = 5000
 POLISHING_STEPS = 30
+SHRINKING = 0.9
 AT_BOUND = 1e-6
 UNSEEN = 1e-9
 
@@ -158,6 +159,7 @@ def _polish(
     gradient = jacobian(x)
     span = np.where(np.isfinite(upper - lower), upper - lower, np.maximum(np.abs(x), 1.0))
     free = (x - lower > AT_BOUND * span) & (upper - x > AT_BOUND * span)
+    latest = np.inf
     for _ in range(POLISHING_STEPS if free.any() else 0):
         norms = np.linalg.norm(gradient[:, free], axis=0)
         norms = np.where(norms > 0.0, norms, 1.0)
@@ -167,10 +169,12 @@ def _polish(
         trial_fun = residual(trial)
         if not float(trial_fun @ trial_fun) <= float(fun @ fun) * (1.0 + 1e-15):
             break
-        settled = bool((np.abs(trial - x) <= 1e-13 * np.abs(x)).all())
-        x, fun, gradient = trial, trial_fun, jacobian(trial)
-        if settled:
+        size = float(np.max(np.abs(trial - x) / np.maximum(np.abs(x), 1e-300)))
+        x, fun = trial, trial_fun
+        gradient = jacobian(x)
+        if size <= 1e-13 or size > SHRINKING * latest:
             break
+        latest = size
     return x, fun, gradient
 
 
