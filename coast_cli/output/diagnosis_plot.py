@@ -144,5 +144,6 @@ def _bars(answer: DiagnosisAnswer, axes: Any) -> None:  # noqa: ANN401
         axes.text(share + 1.0, height, percent(region.share), va="center", fontsize=7)
     axes.set_yticks(range(len(regions)), [place(region, answer.drive_unit) for region in regions])
     axes.set_xlim(0.0, 112.0)
+    axes.set_xticks(range(0, 101, 20))
     axes.set_xlabel("share of the error above the noise (%)")
     axes.tick_params(axis="y", length=0)

@@ -19,6 +19,7 @@ HEADLINES = {
     "insufficient": "The recording cannot decide.",
 }
 _NOTHING = 1e-9
+_EXACT = 1e-6  # relative; a spread below it says nothing
 UNITS = {"curvature_per_m": "1/m", "bend_deg": "deg", "notch_deg": "deg", "shape_mm": "mm"}
 # Names and units of the axes of a region; DRIVE stands for the unit of the drive.
 AXES = {
@@ -66,6 +67,8 @@ def measured(value: Value) -> str:
         return f"{value.value:.4g}, on its bound"
     if not (isfinite(value.std) and value.std > 0.0):
         return f"{value.value:.4g}, not determined"
+    if value.std < _EXACT * abs(value.value):
+        return f"{value.value:.6g}"
     if value.std > 10.0 * abs(value.value) and value.std > 1e-9:
         return f"{value.value:.2g} +- {value.std:.2g}"
     digits = min(max(1 - floor(log10(value.std)), 0), 9)

@@ -190,6 +190,39 @@ def test_every_run_held_out(coast):
     assert "none is left" in ran.err
 
 
+@pytest.fixture
+def shapes(coast, tmp_path):
+    """Two tubes as ``coast beam`` draws them, with 0.05 mm of noise."""
+    random = np.random.default_rng(3)
+    lines = ["run,tube,x_mm,y_mm"]
+    for tube in ("OT3", "MT2"):
+        rows = json.loads(coast("beam", CONFIG, "--tube", tube, "--points", "40", "--format", "json").out)["rows"]
+        for row in rows:
+            x, y = (row[name] + 0.05 * random.normal() for name in ("x_mm", "y_mm"))
+            lines.append(f"{tube},{tube},{x:.4f},{y:.4f}")
+    path = tmp_path / "shapes.csv"
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return path
+
+
+def test_shapes_are_diagnosed_drawn_and_saved_alike(coast, shapes, tmp_path):
+    words = ("--max-effects", "1", "--plot", tmp_path / "s.png", "--report", tmp_path / "s.html", "--format", "json")
+    ran = coast("diagnose", CONFIG, shapes, *words, "--save-model", tmp_path / "s.toml")
+    answer = json.loads(ran.out)
+    assert answer["verdict"] == "agrees"
+    assert answer["noise"]["unit"] == "shape_mm"
+    assert answer["noise"]["value"] == pytest.approx(0.05, rel=0.5)
+    assert (tmp_path / "s.png").read_bytes()[:4] == b"\x89PNG"
+    assert "data:image/png" in (tmp_path / "s.html").read_text(encoding="utf-8")
+    assert load_config(tmp_path / "s.toml").outer.samples[2].natural_curvature_per_m == pytest.approx(5.5, rel=0.2)
+
+
+def test_of_both_kinds_the_joint_is_diagnosed_and_that_is_said(coast, shapes):
+    ran = coast("diagnose", CONFIG, RECORDING, shapes, "--max-effects", "0", "--format", "json")
+    assert json.loads(ran.out)["noise"]["unit"] == "curvature_per_m"
+    assert "the shapes are not used" in ran.err
+
+
 def test_text_among_numbers_has_its_place(coast, recording):
     path = recording(HEADER + run_of("a", np.linspace(1.0, 3.0, 40)).replace("1.0000,", "one,", 1))
     ran = coast("diagnose", CONFIG, path)

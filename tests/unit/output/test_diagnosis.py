@@ -146,6 +146,8 @@ def test_json_without_a_fit(answer_of):
         (Value(3.0, 0.0, at_bound=False), "3, not determined"),
         (Value(3.0, inf, at_bound=False), "3, not determined"),
         (Value(0.0, 4.0, at_bound=False), "0 +- 4"),
+        (Value(0.25, 3e-9, at_bound=False), "0.25"),
+        (Value(0.5, 9.0, at_bound=False), "0.5 +- 9"),
     ],
 )
 def test_a_number_is_written_with_the_digits_that_count(value, words):
