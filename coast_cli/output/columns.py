@@ -111,6 +111,17 @@ COLUMNS: dict[str, dict[str, str]] = {
         "correlation_pulley_friction": "with the pulley friction",
         "correlation_tendon_youngs_modulus_gpa": "with the tendon's modulus",
     },
+    "sensitivity": {
+        "subject": "the tube, or the pair, that the figure is of",
+        "figure": "tip_x, tip_y and tip_shift under gravity; the figures of the joint's pair; its stroke at 40/m and 40 mm",
+        "value": "of the figure; no value for tip_shift, which is a change only",
+        "unit": "of the figure and its change",
+        "input_of": "the tube, joint or tendon that the input belongs to",
+        "input": "what changes; every notch of the tube alike",
+        "per": "by how much: um, GPa, 1/m, mm or per cent of the value",
+        "change": "of the figure for that change of the input, to first order, exactly",
+        "change_percent": "the same over the size of the figure, in per cent",
+    },
     "trace": {
         "run": "the shape, named after its image; of a joint the whole sequence",
         "tube": "the tube, as given",
