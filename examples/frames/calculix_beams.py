@@ -48,8 +48,14 @@ def solve(model: FrameModel) -> tuple[float, float]:
     return float(model.x[-1]) + float(last[1]) / UNIT, float(model.y[-1]) + float(last[2]) / UNIT
 
 
-print("natural_curvature_per_m,tip_x_m,tip_y_m,seconds")
-for curvature in NATURAL_CURVATURES:
-    start = time.perf_counter()
-    tip_x, tip_y = solve(frame_model(curvature, 2))
-    print(f"{curvature},{tip_x:.9g},{tip_y:.9g},{time.perf_counter() - start:.1f}", flush=True)
+def main() -> None:
+    """Solve every tube; each takes a minute or more."""
+    print("natural_curvature_per_m,tip_x_m,tip_y_m,seconds")
+    for curvature in NATURAL_CURVATURES:
+        start = time.perf_counter()
+        tip_x, tip_y = solve(frame_model(curvature, 2))
+        print(f"{curvature},{tip_x:.9g},{tip_y:.9g},{time.perf_counter() - start:.1f}", flush=True)
+
+
+if __name__ == "__main__":
+    main()

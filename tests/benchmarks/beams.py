@@ -93,7 +93,7 @@ def shoot(tube: NotchedTube) -> int:
     return marches
 
 
-def one_tube() -> float:
+def one_tube() -> tuple[float, float]:
     tube = reference_tube(5.0)
     tube.segments  # noqa: B018
     mine, theirs = best(lambda: solve_beam(tube, GRAVITY), 30), best(lambda: shoot(tube), 10)
@@ -107,7 +107,7 @@ def one_tube() -> float:
         solution = solve_beam(reference_tube(curvature), GRAVITY)
         error = np.hypot(solution.x[-1] - x, solution.y[-1] - y) / LENGTH
         print(f"  tip error / length at k0 = {curvature:+5.0f} 1/m          {error:8.0e}")
-    return mine
+    return mine, march
 
 
 def against_opensees(mine: float) -> None:
@@ -131,7 +131,7 @@ def against_opensees(mine: float) -> None:
     print(f"  its tip errors / length                     {min(errors):8.0e} to {max(errors):.0e}")
 
 
-def batches() -> None:
+def batches(march: float) -> None:
     count = 10_000
     columns = tubes(count)
     gravity = (0.0, -GRAVITY)
@@ -143,6 +143,7 @@ def batches() -> None:
         np.hypot(shapes.x[i, -1] - a.x[0, -1], shapes.y[i, -1] - a.y[0, -1]) for i, a in zip(sample, alone, strict=True)
     )
     print(f"10,000 different tubes, numpy, one core       {count / numpy_time:8.0f} tubes/s")
+    print(f"  tubes in the time of one RK4 march          {count * march / numpy_time:8.1f}")
     print(
         f"  unconverged {np.count_nonzero(~shapes.converged)}, against the scalar path / length {apart / LENGTH:8.0e}"
     )
@@ -158,6 +159,7 @@ def batches() -> None:
     share = flops_of_a_tube() / one / peak() * many[1].shape[0]
     print(f"100,000 different tubes, [fast]               {1e5 / one:8.0f} tubes/s on one core, {1e5 / two:.0f} on two")
     print(f"  unconverged {np.count_nonzero(~tips.converged)}, against numpy / length           {apart / LENGTH:8.0e}")
+    print(f"  tubes in the time of one RK4 march          {1e5 * march / one:8.0f}")
     print(f"  share of the measured floating-point peak   {share:8.0%}")
 
 
@@ -234,6 +236,12 @@ def scaling() -> None:
     def exponent(sizes, seconds):
         return np.polyfit(np.log(sizes), np.log(seconds), 1)[0]
 
+    sides = (500, 1000, 2000)
+    by_pairs = [pairs(n, n) for n in sides[:2]]
+    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
+    print(f"1,000 x 1,000 pairs, numpy                    {by_pairs[1]:8.2f} s")
+    print(f"  most memory so far                          {memory:8.2f} GB")
+    by_pairs.append(pairs(sides[2], sides[2]))
     gravity = (0.0, -GRAVITY)
     counts = (2000, 4000, 8000, 16000)
     drawn = [tubes(n) for n in counts]
@@ -241,12 +249,6 @@ def scaling() -> None:
     notches = (100, 200, 400, 800)
     fixed = [(t[0] * 188 / n, *t[1:]) for n in notches for t in [tubes(2000, notches=n)]]
     by_notches = [best(lambda c=c: solve_segments(*c, gravity=gravity), 2) for c in fixed]
-    sides = (250, 500, 1000)
-    by_pairs = [pairs(n, n) for n in sides]
-    print(f"1,000 x 1,000 pairs, numpy                    {by_pairs[-1]:8.2f} s")
-    print(
-        f"  most memory of this whole run               {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6:8.2f} GB"
-    )
     print("cost grows with the power")
     for name, sizes, seconds in (
         ("tubes", counts, by_tubes), ("notches", notches, by_notches), ("pairs", np.square(sides), by_pairs),
@@ -275,8 +277,8 @@ def plot(path: str, curves) -> None:
 
 
 def main() -> None:
-    mine = one_tube()
+    mine, march = one_tube()
     against_opensees(mine)
     scaling()
-    batches()
+    batches(march)
     hard_set()
