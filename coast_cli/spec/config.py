@@ -13,7 +13,9 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, PrivateAttr
 
 from coast_cli.errors import BadInput
+from coast_cli.spec.explore import Explore
 from coast_cli.spec.positions import Path, Position
+from coast_cli.spec.tolerances import Tolerances
 from coast_cli.spec.values import (
     Allowed,
     Calibrated,
@@ -187,6 +189,8 @@ class Config(Document):
     tendon: TendonFields | None = Field(None, description="the tendon; left out where tension is the drive")
     joint: JointFields | None = Field(None, description="the stroke model of the joint")
     checks: Checks | None = Field(None, description="limits that `coast check` holds the pair to")
+    explore: Explore | None = Field(None, description="design space that `coast explore` searches")
+    tolerances: Tolerances | None = Field(None, description="how far finished tubes may be from the drawing")
     corrections: dict[str, dict[str, float]] = Field(
         default_factory=dict, description="effects that a diagnosis found, by id, with their fitted parameters"
     )

@@ -11,6 +11,7 @@ from pydantic import BaseModel, ValidationError
 
 from coast_cli.errors import BadInput, nearest
 from coast_cli.spec.config import Config, Origin
+from coast_cli.spec.explore import check_explore
 from coast_cli.spec.positions import key_positions
 from coast_cli.spec.tubes import check_design
 from coast_cli.spec.values import REFUSED
@@ -56,6 +57,7 @@ def load_config_text(text: str, name: str = "<text>") -> Config:
         raise _first_refusal(error.errors(include_url=False), origin) from None
     config._origin = origin  # noqa: SLF001  # the one place that knows it
     check_design(config)
+    check_explore(config)
     return config
 
 
