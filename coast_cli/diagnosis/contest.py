@@ -81,6 +81,7 @@ def run_contest(problem: Problem, most_effects: int = 5) -> Contest:
     scales = problem.scales()
     base = _hypothesis(problem, fit(problem), scales)
     candidates = applicable(problem)
+    most_effects = min(most_effects, _carries(problem))
     tried: dict[frozenset[str], Hypothesis] = {frozenset(): base}
     frontier = [base]
     for size in range(1, most_effects + 1):
@@ -104,6 +105,13 @@ def run_contest(problem: Problem, most_effects: int = 5) -> Contest:
     leading = _lead(problem, tried)
     ranked = sorted(tried.values(), key=lambda hypothesis: -hypothesis.score)
     return Contest(base, tuple(ranked), leading)
+
+
+def _carries(problem: Problem) -> int:
+    """Return how many effects the recording can carry: one curve can be drawn by any three knees, many notches cannot."""
+    if problem.runs[0].kind == "notch":
+        return 5
+    return 2 if problem.tension_noise is None else 3
 
 
 def _race(

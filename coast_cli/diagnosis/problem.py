@@ -39,6 +39,7 @@ CONFIG_KEYS = {
     "pulley_friction": "joint.pulley_friction",
 }
 _TRIVIAL = 1e-12
+_DIFFERENCES_MARGIN = 1.6
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,7 +122,11 @@ class Problem:
         from coast_cli.recordings.noise import recording_noise
 
         estimate = recording_noise(self.runs)
-        return max(float(estimate.level * np.exp(min(estimate.log_level_std, 0.7))), 1e-15)
+        generous = float(estimate.level * np.exp(min(estimate.log_level_std, 0.7)))
+        # Second differences of AR(1) noise have variance 6 - 8 rho + 2 rho^2; kinks of the signal can only raise both.
+        rho = min(estimate.correlation, 0.97)
+        from_differences = self.noise * np.sqrt(6.0 / (6.0 - 8.0 * rho + 2.0 * rho**2))
+        return max(min(generous, float(_DIFFERENCES_MARGIN * from_differences)), 1e-15)
 
     def configured(self) -> FloatArray:
         """Return the base parameters as configured, in fit coordinates (p,)."""
