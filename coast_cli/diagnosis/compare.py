@@ -10,14 +10,14 @@ import numpy as np
 
 from coast_cli.diagnosis.errors import UNITS, tip_of, to_unit
 from coast_cli.diagnosis.problem import build_problem
-from coast_cli.diagnosis.shape_errors import ShapeErrors, shape_errors
-from coast_cli.recordings.noise import pooled_noise, recording_noise, run_noise
+from coast_cli.diagnosis.shapes.problem import build_problem as build_shape_problem
+from coast_cli.recordings.noise import Series, pooled_noise, recording_noise, run_noise
 from coast_cli.units import DEGREE, MILLIMETRE
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from coast_cli.recordings.model import JointRun, Recordings
+    from coast_cli.recordings.model import JointRun, Recordings, ShapeRun
     from coast_cli.spec.config import Config
 
     Floats = NDArray[np.float64]
@@ -51,6 +51,22 @@ class JointErrors:
 
 
 @dataclass(frozen=True, eq=False)
+class ShapeErrors:
+    """A recorded shape against the model's.
+
+    Attributes:
+        run: the recording.
+        x, y: places of the model at the arc lengths of the recorded points, [n] m.
+        distance: between model and recording, [n] m.
+    """
+
+    run: ShapeRun
+    x: Floats
+    y: Floats
+    distance: Floats
+
+
+@dataclass(frozen=True, eq=False)
 class Comparison:
     """Every run of a call against one model, in the order of the files."""
 
@@ -77,7 +93,7 @@ def compare(config: Config, recordings: Recordings) -> Comparison:
         BadInput: a run's tubes or drive do not go with the configuration.
     """
     joint = tuple(_joint_errors(config, recordings.joint.runs)) if recordings.joint else ()
-    shape = tuple(shape_errors(config, recordings.shape.runs)) if recordings.shape else ()
+    shape = tuple(_shape_errors(config, recordings.shape.runs)) if recordings.shape else ()
     return Comparison(joint, shape)
 
 
@@ -99,9 +115,19 @@ def _joint_errors(config: Config, runs: Sequence[JointRun]) -> list[JointErrors]
     return [found[index] for index in range(len(runs))]
 
 
+def _shape_errors(config: Config, runs: Sequence[ShapeRun]) -> list[ShapeErrors]:
+    problem = build_shape_problem(config, runs)
+    state = problem.state(problem.configured(), ())
+    lines = problem.forward.lines([(index, state) for index in range(len(runs))])
+    return [
+        ShapeErrors(run, line.x[0], line.y[0], np.hypot(line.x[0] - run.x, line.y[0] - run.y))
+        for run, line in zip(runs, lines, strict=True)
+    ]
+
+
 def _shape_noise(shapes: Sequence[ShapeErrors]) -> float:
     """Return the noise of points across both axes, mm."""
-    level = pooled_noise([series for one in shapes for series in one.series]).level
+    level = pooled_noise([Series(values) for one in shapes for values in (one.run.x, one.run.y)]).level
     return float(np.sqrt(2.0)) * level / MILLIMETRE
 
 

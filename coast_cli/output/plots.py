@@ -12,8 +12,7 @@ from coast_cli.output.atomic import write_files
 from coast_cli.units import DEGREE, MILLIMETRE
 
 if TYPE_CHECKING:
-    from coast_cli.diagnosis.compare import Comparison, JointErrors
-    from coast_cli.diagnosis.shape_errors import ShapeErrors
+    from coast_cli.diagnosis.compare import Comparison, JointErrors, ShapeErrors
 
 FORMATS = (".png", ".pdf", ".svg")
 MOST_PANELS = 12

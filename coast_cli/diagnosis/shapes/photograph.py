@@ -100,20 +100,18 @@ def usual_sign(design: Design, tube: NotchedTube) -> float:
 
 
 def arc_length(x: FloatArray, y: FloatArray) -> FloatArray:
-    """Return the arc length from the clamp, at the origin, to each point, [n] m.
+    """Return the arc length from the clamp, at the origin and along +x, to each point, [n] m.
 
-    Noise lengthens the chord from point to point, so it is measured along a polynomial through the points.
+    Noise lengthens the chord from point to point; where points are many it is measured along a polynomial through them.
     """
-    at = np.concatenate(([0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))))
-    at += float(np.hypot(x[0], y[0]))
-    degree = min(_SMOOTH_DEGREE, len(x) // _POINTS_A_COEFFICIENT)
-    if degree < 2 or at[-1] <= 0.0:
-        return at
-    slopes = [np.polynomial.Chebyshev.fit(at, values, degree).deriv() for values in (x, y)]
-    fine = np.linspace(at[0], at[-1], 8 * len(x))
+    chord = max(float(x[0]), 0.0) + np.concatenate(([0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))))
+    if len(x) < _POINTS_A_COEFFICIENT * _SMOOTH_DEGREE:
+        return np.asarray(chord)
+    slopes = [np.polynomial.Chebyshev.fit(chord, values, _SMOOTH_DEGREE).deriv() for values in (x, y)]
+    fine = np.linspace(chord[0], chord[-1], 8 * len(x))
     speed = np.hypot(slopes[0](fine), slopes[1](fine))
     along = np.concatenate(([0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(fine))))
-    length: FloatArray = at[0] + np.interp(at, fine, along)
+    length: FloatArray = chord[0] + np.interp(chord, fine, along)
     return length
 
 

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from coast_cli.diagnosis.compare import compare
-from coast_cli.diagnosis.shape_errors import arc_length, shape_errors
 from coast_cli.errors import BadInput
 from coast_cli.mechanics.beam import solve_beam
 from coast_cli.mechanics.joint import curvature_from_stroke, tip
@@ -113,14 +112,14 @@ def test_a_stroke_without_a_tendon_is_bad_input(config, exact):
         rows(bare, joint(exact))
 
 
-def sagging(config, name, natural=None, turn=1.0, shift=0.0, step=25):
+def sagging(config, name, natural=None, turn=1.0, shift=0.0):
     design = build(config)
     tube = design.tube(name)
     solution = solve_beam(replace(tube, natural_curvature=turn * tube.natural_curvature), design.gravity)
-    at = slice(0, None, step)
+    at = np.linspace(0, solution.s.size - 1, 16).astype(int)
     outer = name if name.startswith("OT") else None
     return ShapeRun(
-        name + (natural or ""), "f.csv", np.arange(solution.s[at].size), outer, None if outer else name,
+        name + (natural or ""), "f.csv", np.arange(16), outer, None if outer else name,
         solution.x[at], solution.y[at] + shift, natural,
     )  # fmt: skip
 
@@ -141,18 +140,9 @@ def test_the_side_of_the_natural_curvature_counts(config, name, usual, other):
     assert rows(config, shapes=(sagging(config, name, other),))[name + other]["rmse_shape_mm"] > 1.0
 
 
-def test_a_pair_bends_as_its_combined_curvature(config):
-    arc = np.linspace(0.0, 0.07, 30)
+def test_a_pair_bends_between_its_tubes(config):
+    arc = np.linspace(0.0, 0.075, 30)
     run = ShapeRun("p", "f.csv", np.arange(30), "OT4", "MT1", arc, 0.0 * arc, None)
-    (found,) = shape_errors(config, [run])
-    turn = np.unwrap(np.arctan2(np.diff(found.y), np.diff(found.x)))[-1]
-    assert turn == pytest.approx(-0.239, abs=0.03)  # S4's signed pre-curvature over the 75 mm overlap
-
-
-def test_noise_does_not_lengthen_the_arc():
-    arc = np.linspace(0.0, 0.1, 200)
-    rng = np.random.default_rng(0)
-    x, y = 0.05 * np.sin(arc / 0.05), 0.05 * (1.0 - np.cos(arc / 0.05))
-    noisy = arc_length(x + 1e-4 * rng.normal(size=200), y + 1e-4 * rng.normal(size=200))
-    assert noisy[-1] == pytest.approx(0.1, rel=4e-3)
-    assert arc_length(x, y) == pytest.approx(arc, abs=1e-5)
+    (found,) = compare(config, Recordings(shape=Recording("shape", (run,)))).shape
+    turn = np.arctan2(np.diff(found.y), np.diff(found.x))[-1]
+    assert -0.45 < turn < -0.1  # rank-pairs gives -0.24 where each tube sags by itself; a photographed pair sags as one
