@@ -12,20 +12,25 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coast_cli.diagnosis.contest import ALIKE, SMALLEST, THRESHOLD
+from coast_cli.diagnosis.contest import SMALLEST, THRESHOLD
 from coast_cli.diagnosis.shapes.fit import Fit, Space, fit, label
 from coast_cli.diagnosis.shapes.forward import Job
 from coast_cli.diagnosis.shapes.problem import Problem
 from coast_cli.effects.shapes.catalogue import SHAPE_CATALOGUE, in_order
 from coast_cli.effects.shapes.effect import ShapeEffect
-from coast_cli.mechanics.section import FloatArray
 
+# Hypotheses this many nats behind the leading one still count as telling the same.
+ALIKE = 3.0
 Key = frozenset[tuple[str, float]]
 _FITTED_SINGLES = 9
 _FITTED_NEXT = 4
 _GROWN_FROM = 2
 _WORTH_GROWING = 4.0
 _WORTH_FITTING = 1.0
+# An effect that is named changes the fit by at least this share of what the base model leaves.
+_LEAST_PART = 0.1
+_EXPLAINED = 0.07  # of the base model's error: what is left is then small whatever the noise
+_RIVAL_SHARE = 0.2  # of the best effect's gain, under which an effect is not fitted
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,22 +67,17 @@ class Contest:
 
 
 def run_contest(problem: Problem, level: float, most_effects: int = 5) -> Contest:
-    """Fit and compare all sets worth comparing, up to ``most_effects`` effects; ``level`` is the noise, m."""
+    """Fit and compare all sets worth comparing, up to ``most_effects`` effects; ``level`` is the noise, m.
+
+    Sets grow by plain error. Then every effect of a leading set of several is exchanged for its rivals, because what was
+    taken first, alone, may have stood for two.
+    """
     base = _hypothesis(problem, fit(problem, level=level))
     tried: dict[Key, Hypothesis] = {frozenset(): base}
     frontier = [base]
     for size in range(1, most_effects + 1):
-        grown = []
-        for parent in frontier:
-            starts = screen(problem, parent.fit, level)
-            for effect in starts[: _FITTED_SINGLES if size == 1 else _FITTED_NEXT]:
-                key = parent.fit.key | {label(effect)}
-                if key in tried:
-                    continue
-                effects = in_order((*parent.fit.effects, effect))
-                fitted = fit(problem, effects, parent.fit.coordinates, level=max(level, 0.3 * parent.fit.rmse), steps=8)
-                tried[key] = _hypothesis(problem, fitted)
-                grown.append(tried[key])
+        most = _FITTED_SINGLES if size == 1 else _FITTED_NEXT
+        grown = [child for parent in frontier for child in _grow(problem, parent, level, tried, most)]
         if not grown:
             break
         grown.sort(key=lambda hypothesis: _plain_error(problem, hypothesis))
@@ -85,10 +85,33 @@ def run_contest(problem: Problem, level: float, most_effects: int = 5) -> Contes
         if _plain_error(problem, grown[0]) > smaller - _WORTH_GROWING:
             break
         frontier = grown[:_GROWN_FROM]
-        if grown[0].fit.rmse < 1.12 * level:
+        if grown[0].fit.rmse < max(1.12 * level, _EXPLAINED * base.fit.rmse):
             break
+    leading = _lead(tried)
+    for effect in leading.fit.effects if len(leading.ids) > 1 else ():
+        rest = tuple(other for other in leading.fit.effects if other is not effect)
+        key = leading.fit.key - {label(effect)}
+        if key not in tried:
+            tried[key] = _hypothesis(problem, fit(problem, rest, leading.fit.coordinates, level=level, steps=8))
+        _grow(problem, tried[key], level, tried, _FITTED_NEXT)
     ranked = sorted(tried.values(), key=lambda hypothesis: -hypothesis.score)
     return Contest(base, tuple(ranked), _lead(tried))
+
+
+def _grow(
+    problem: Problem, parent: Hypothesis, level: float, tried: dict[Key, Hypothesis], most: int
+) -> list[Hypothesis]:
+    """Fit the set with each of the most promising effects added, put them into ``tried`` and return the new ones."""
+    grown = []
+    for effect in screen(problem, parent.fit, level)[:most]:
+        key = parent.fit.key | {label(effect)}
+        if key in tried:
+            continue
+        effects = in_order((*parent.fit.effects, effect))
+        fitted = fit(problem, effects, parent.fit.coordinates, level=max(level, 0.3 * parent.fit.rmse), steps=8)
+        tried[key] = _hypothesis(problem, fitted)
+        grown.append(tried[key])
+    return grown
 
 
 def _plain_error(problem: Problem, hypothesis: Hypothesis) -> float:
@@ -103,15 +126,15 @@ def _lead(tried: dict[Key, Hypothesis]) -> Hypothesis:
     for hypothesis in order:
         key = hypothesis.fit.key
         smaller = [other for other_key, other in tried.items() if other_key < key and len(other_key) == len(key) - 1]
-        if all(size_of(hypothesis, other) >= SMALLEST for other in smaller):
+        least = max(SMALLEST * hypothesis.fit.evidence.level, _LEAST_PART * tried[frozenset()].fit.rmse)
+        if all(change_of(hypothesis, other) >= least for other in smaller):
             return hypothesis
     return tried[frozenset()]
 
 
-def size_of(larger: Hypothesis, smaller: Hypothesis) -> float:
-    """Return by how much two fits differ, as RMS in levels of the noise that the larger set leaves."""
-    change = np.sqrt(np.mean((larger.fit.residual - smaller.fit.residual) ** 2))
-    return float(change / max(larger.fit.evidence.level, 1e-300))
+def change_of(one: Hypothesis, other: Hypothesis) -> float:
+    """Return by how much two fits differ, m RMS."""
+    return float(np.sqrt(np.mean((one.fit.residual - other.fit.residual) ** 2)))
 
 
 def screen(problem: Problem, parent: Fit, level: float) -> list[ShapeEffect]:
@@ -149,29 +172,14 @@ def screen(problem: Problem, parent: Fit, level: float) -> list[ShapeEffect]:
         if not size > 1e-3:
             continue
         amount = -float(left @ residual) / size
-        if _one_sided(start) and amount <= 0.0:
+        if start.one_sided() and amount <= 0.0:
             continue
         gain = amount**2 * size / 2.0
         key = label(start)
         if gain > _WORTH_FITTING and (key not in best or gain > best[key][0]):
-            best[key] = gain, _moved(start, amount)
-    return [effect for _, effect in sorted(best.values(), key=lambda pair: -pair[0])]
-
-
-def _one_sided(effect: ShapeEffect) -> bool:
-    """Return whether the amplitude cannot be turned round: it is null at the end of its range, or is a place."""
-    amplitude = effect.fitted()[0]
-    return amplitude.null <= amplitude.low or len(effect.fitted()) > 1
-
-
-def _moved(effect: ShapeEffect, amount: float) -> ShapeEffect:
-    """Return the effect with its amplitude times the amount, where it has one amplitude and no more."""
-    if len(effect.fitted()) > 1:
-        return effect
-    parameter = effect.fitted()[0]
-    value = parameter.null + (effect.fitted_values()[0] - parameter.null) * float(np.clip(amount, -50.0, 50.0))
-    span = parameter.high - parameter.low
-    return effect.with_fitted(np.array([np.clip(value, parameter.low + 1e-6 * span, parameter.high - 1e-6 * span)]))
+            best[key] = gain, start.scaled(amount)
+    ranked = sorted(best.values(), key=lambda pair: -pair[0])
+    return [effect for gain, effect in ranked if gain > _RIVAL_SHARE * ranked[0][0]]
 
 
 def _hypothesis(problem: Problem, fitted: Fit) -> Hypothesis:

@@ -29,7 +29,7 @@ class Fit:
 
     Attributes:
         effects: with their fitted parameters. coordinates: base parameters in fit coordinates (p,).
-        covariance: of base and then effect parameters (q, q). evidence: of the residual as noise.
+        covariance: of base and then effect parameters (q, q), of logarithms where a fit moves those. evidence: of the residual as noise.
         log_likelihood: of it, plus the log priors. rmse: m. residual: observed less model, m.
         jacobian: of the residual by every parameter, (n, q). at_bound: (q,).
     """
@@ -72,7 +72,7 @@ def fit(
     """
     space = Space(problem, tuple(effects))
     base = problem.configured() if start is None else start
-    vector = np.clip(np.concatenate([base, *(e.fitted_values() for e in effects)]), space.low, space.high)
+    vector = np.clip(space.joined(base), space.low, space.high)
     vector, residual = _descend(space, vector, level, 0, steps)
     evidence = problem.bank.evidence(residual)
     if polish and evidence.colour:
@@ -110,13 +110,23 @@ class Space:
         self.problem, self.effects = problem, effects
         parameters = [parameter for effect in effects for parameter in effect.fitted()]
         low, high = problem.bounds()
-        self.low = np.concatenate([low, [p.low for p in parameters]])
-        self.high = np.concatenate([high, [p.high for p in parameters]])
+        factors = [p.name in effect.logarithmic for effect in effects for p in effect.fitted()]
+        self.factors = np.array([False] * low.size + factors, dtype=bool)
+        self.low = self._coordinates(np.concatenate([low, [p.low for p in parameters]]))
+        self.high = self._coordinates(np.concatenate([high, [p.high for p in parameters]]))
         expected = [effect.expected.get(p.name) for effect in effects for p in effect.fitted()]
         widths = [width for effect in effects for width in type(effect).widths(problem.scene)]
         self.mean = np.concatenate([problem.configured(), [0.0 if e is None else e[0] for e in expected]])
         self.held = np.concatenate([np.ones(low.size, bool), [e is not None for e in expected]]).astype(bool)
         self.width = np.concatenate([[p.prior for p in problem.base], widths])
+
+    def joined(self, base: FloatArray) -> FloatArray:
+        """Return base coordinates with the effects' parameters as they stand."""
+        return self._coordinates(np.concatenate([base, *(effect.fitted_values() for effect in self.effects)]))
+
+    def _coordinates(self, values: FloatArray) -> FloatArray:
+        moved: FloatArray = np.where(self.factors, np.log(np.where(self.factors, values, 1.0)), values)
+        return moved
 
     def prior(self, vector: FloatArray) -> FloatArray:
         """Return how far the parameters that are expected somewhere lie from it, in standard deviations."""
@@ -125,10 +135,11 @@ class Space:
 
     def split(self, vector: FloatArray) -> tuple[FloatArray, tuple[ShapeEffect, ...]]:
         """Return base coordinates and effects of a vector."""
+        values = np.where(self.factors, np.exp(np.where(self.factors, vector, 0.0)), vector)
         at, effects = len(self.problem.base), []
         for effect in self.effects:
             count = len(effect.fitted())
-            effects.append(effect.with_fitted(vector[at : at + count]))
+            effects.append(effect.with_fitted(np.clip(values[at : at + count], *_ranges(effect))))
             at += count
         return vector[: len(self.problem.base)], tuple(effects)
 
@@ -161,6 +172,10 @@ class Space:
                 rows = problem.slices[index]
                 jacobian[rows, column] = (moved - residual[rows]) / step
         return jacobian
+
+
+def _ranges(effect: ShapeEffect) -> tuple[list[float], list[float]]:
+    return [p.low for p in effect.fitted()], [p.high for p in effect.fitted()]
 
 
 def _descend(space: Space, vector: FloatArray, level: float, colour: int, steps: int) -> tuple[FloatArray, FloatArray]:

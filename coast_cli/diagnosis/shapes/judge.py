@@ -178,7 +178,9 @@ class _Judge:
             values = {}
             for parameter in effect.fitted():
                 std = float(np.sqrt(max(final.covariance[place, place], 0.0)))
-                values[parameter.name] = Value(float(getattr(effect, parameter.name)), std, final.at_bound[place])
+                value = float(getattr(effect, parameter.name))
+                std *= value if parameter.name in effect.logarithmic else 1.0
+                values[parameter.name] = Value(value, std, final.at_bound[place])
                 place += 1
             if len(values) < len(effect.parameters):
                 values["tube"] = Value(float(getattr(effect, "tube", 0.0)), 0.0, at_bound=False)
