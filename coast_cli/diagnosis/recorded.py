@@ -26,6 +26,7 @@ def diagnose(
         from coast_cli.diagnosis.diagnose import diagnose_joint
 
         _check_one_kind(recordings.joint.runs)
+        _check_units(config, recordings.joint.runs)
         notes = ("the shapes are not used: diagnose them in a call of their own.",) if recordings.shape else ()
         runs = recordings.joint.runs
         known = [name for name in named_hold_out if name in {run.name for run in runs}]
@@ -60,6 +61,25 @@ def _check_one_kind(runs: Sequence[JointRun]) -> None:
                 f"run {run.name!r} records another response or drive than {first.name!r}", file=run.source,
                 line=int(run.line[0]), found=_words(run), allowed=_words(first),
                 hint="Diagnose them in calls of their own.",
+            )  # fmt: skip
+
+
+def _check_units(config: Config, runs: Sequence[JointRun]) -> None:
+    """Refuse a response in another unit than it says: no segment is usually bent tighter than its tube is thick."""
+    import numpy as np
+
+    from coast_cli.spec.build import build
+
+    design = build(config)
+    for run in runs:
+        length = run.bending_length[:, np.newaxis] / run.response.shape[1]
+        curvature = np.abs(run.response if run.kind == "curvature" else run.response / length)
+        usual = float(np.nanmedian(curvature))
+        limit = 1.0 / design.tube(run.middle).outer_radius
+        if usual > limit:
+            raise BadInput(
+                f"run {run.name!r} is bent tighter than its tube is thick", file=run.source, line=int(run.line[0]),
+                found=f"{usual:.3g} 1/m", allowed=f"up to {limit:.3g} 1/m", hint="Is the unit in the column's name right?",
             )  # fmt: skip
 
 

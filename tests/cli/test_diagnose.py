@@ -231,6 +231,14 @@ def test_text_among_numbers_has_its_place(coast, recording):
     assert "stroke_mm" in ran.err
 
 
+def test_a_curvature_in_another_unit_than_it_says_is_refused(coast, recording):
+    rows = "".join(f"{1.2 + 0.02 * n:.3f},{14.3 * 0.02 * n:.4f}\n" for n in range(80))
+    ran = coast("diagnose", CONFIG, recording("stroke_mm,curvature_per_mm\n" + rows), "--x2", "20")
+    assert ran.code == 3
+    assert "bent tighter than its tube is thick" in ran.err
+    assert "Is the unit" in ran.err
+
+
 def test_runs_that_cannot_be_pooled_are_refused(coast, recording):
     bends = "stroke_mm,bend_deg\n" + "".join(f"{1.0 + 0.1 * n},{n}\n" for n in range(20))
     ran = coast("diagnose", CONFIG, RECORDING, recording(bends), "--x2", "20")
