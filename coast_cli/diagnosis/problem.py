@@ -126,6 +126,8 @@ class Problem:
         # Second differences of AR(1) noise have variance 6 - 8 rho + 2 rho^2; kinks of the signal can only raise both.
         rho = min(estimate.correlation, 0.97)
         from_differences = self.noise * np.sqrt(6.0 / (6.0 - 8.0 * rho + 2.0 * rho**2))
+        if estimate.quantum > 0.5 * self.noise:
+            return max(generous, 1e-15)
         return max(min(generous, float(_DIFFERENCES_MARGIN * from_differences)), 1e-15)
 
     def configured(self) -> FloatArray:
@@ -357,7 +359,9 @@ def _difference_level(columns: Sequence[FloatArray]) -> float:
         return 1e-9
     spread = np.concatenate(differences)
     level = float(np.median(spread) / 0.6745 / np.sqrt(6.0))
-    return max(level, float(np.mean(spread)) * 1e-3, 1e-9)
+    if level <= 0.0:  # most neighbours read the same: the readings are coarse, and their steps are the noise
+        level = float(np.mean(spread) / np.sqrt(6.0))
+    return max(level, 1e-9)
 
 
 def _joined(parts: Sequence[FloatArray]) -> FloatArray:

@@ -28,7 +28,7 @@ class CoulombFriction(Effect):
     equation = "load: M = M_elastic + Mc; release: M = M_elastic - Mc, Mc = EI holds_per_m, log-normal along the segment"
     source = "Coulomb's law; friction of nested tubes: Lock and Dupont, ICRA 2011"
     parameters = (
-        Parameter("holds_per_m", 0.0, 0.0, 30.0, (0.01, 0.04, 0.12), "a part of the curvature reached", "curvature"),
+        Parameter("holds_per_m", 0.0, 0.0, 500.0, (0.01, 0.04, 0.12), "a part of the curvature reached", "curvature"),
         Parameter("spread", 0.0, 0.0, 1.0, (0.25,), "of ln Mc from notch to notch; burrs and fits vary", role="shape"),
     )
     needs = ("release",)
