@@ -118,10 +118,9 @@ def loading_branch(
     limit, parts = _FIRST_LIMIT, list[_Nodes]()
     while limit <= _LARGEST_CURVATURE:
         nodes = _nodes(stations, ordered, limit)
-        at_rest = nodes.curvature[0] < limit * (1.0 - _HELD)  # else the table ends before the shape at rest
-        if at_rest:
-            parts.append(nodes.beyond(parts[-1].curvature[-1]) if parts else nodes)
-            found = _branch(_joined(parts), joint, ordered, bending_length)
+        if nodes.mean[0] < limit * (1.0 - _HELD):  # else the table ends before the shape at rest
+            parts.append(nodes.beyond(parts[-1].mean[-1]) if parts else nodes)
+            found = _branch(_joined(parts), stations, joint, ordered, bending_length)
             if found.curvature.max() >= curvature and (joint.tendon is None or found.stroke.max() >= stroke):
                 return found
         limit *= 2.0
@@ -131,45 +130,58 @@ def loading_branch(
 
 @dataclass(frozen=True, slots=True)
 class _Nodes:
-    """Tension (N), mean curvature (1/m) and path of the tendon (m) along the branch, each (q,)."""
+    """Tension (N, (q,)) along a load, curvature of each station (1/m, (q, m)) and its mean; ``released`` to zero, (m,)."""
 
     tension: FloatArray
-    curvature: FloatArray
-    path: FloatArray
+    each: FloatArray
+    mean: FloatArray
+    released: FloatArray
 
     def beyond(self, curvature: float) -> _Nodes:
-        """Return the nodes past a curvature."""
-        past = self.curvature > curvature
-        return _Nodes(self.tension[past], self.curvature[past], self.path[past])
+        """Return the nodes past a mean curvature."""
+        past = self.mean > curvature
+        return _Nodes(self.tension[past], self.each[past], self.mean[past], self.released)
 
 
 def _nodes(stations: Stations, effects: Sequence[Effect], limit: float) -> _Nodes:
     tension, each = branch(stations, effects, 1, limit)
-    return _Nodes(tension, each @ stations.share, stations.shortening(each))
+    released = branch(stations, effects, -1, limit)[1][0] if any(effect.reverses for effect in effects) else each[0]
+    return _Nodes(tension, each, each @ stations.share, released)
 
 
 def _joined(parts: Sequence[_Nodes]) -> _Nodes:
-    tension, curvature, path = (
-        np.concatenate([getattr(part, name) for part in parts]) for name in ("tension", "curvature", "path")
+    tension, each, mean = (
+        np.concatenate([getattr(part, name) for part in parts]) for name in ("tension", "each", "mean")
     )
-    return _Nodes(tension, curvature, path)
+    return _Nodes(tension, each, mean, parts[0].released)
 
 
-def _branch(nodes: _Nodes, joint: Joint, effects: Sequence[Effect], bending_length: float) -> LoadingBranch:
+def _branch(
+    nodes: _Nodes, stations: Stations, joint: Joint, effects: Sequence[Effect], bending_length: float
+) -> LoadingBranch:
+    """Return the branch of a joint that starts midway between load and release, and waits there until load pulls it on."""
     tension = nodes.tension
+    rest = 0.5 * (nodes.each[0] + nodes.released)
+    each = np.maximum(nodes.each, rest)
+    curvature = each @ stations.share
     if joint.tendon is None:
         nothing = np.zeros_like(tension)
-        return LoadingBranch(nothing, tension, nothing, nodes.curvature, _held(tension))
+        return LoadingBranch(nothing, tension, nothing, curvature, _held(tension))
     stretch = tension / joint.tendon.stiffness
     for effect in effects:
         stretch = effect.stretch(stretch, tension, joint)
-    path = nodes.path - max((effect.homing() for effect in effects), default=0.0) * nodes.path[0]
-    history = History(None, path, None, np.full_like(path, bending_length))
-    slack = sum((effect.slack(tension, history, joint) for effect in effects), np.zeros_like(tension))
-    stroke = joint.deadband + path + stretch + slack
-    ideal = LoadingBranch(stroke, tension, stretch, nodes.curvature, _held(stroke))
-    behind = _driven(effects, stroke, bending_length).drive
-    return ideal if np.array_equal(behind, stroke) else _through_actuator(ideal, effects, bending_length)
+    path = stations.shortening(nodes.each)
+    homed = max((effect.homing() for effect in effects), default=0.0) * path[0]
+    behind = joint.deadband + path - homed + stretch
+    waits = np.any(nodes.each < rest, axis=1)
+    pulled = np.where(waits, np.maximum(behind - joint.deadband + homed - stations.shortening(each), 0.0), stretch)
+    tension = np.where(waits, np.interp(pulled, stretch, tension), tension)
+    history = History(None, behind, None, np.full_like(behind, bending_length))
+    stroke = behind + sum((effect.slack(tension, history, joint) for effect in effects), np.zeros_like(tension))
+    ideal = LoadingBranch(stroke, tension, pulled, curvature, _held(stroke))
+    if np.array_equal(_driven(effects, stroke, bending_length).drive, stroke):
+        return ideal
+    return _through_actuator(ideal, effects, bending_length)
 
 
 def _through_actuator(ideal: LoadingBranch, effects: Sequence[Effect], bending_length: float) -> LoadingBranch:
