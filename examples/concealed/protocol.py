@@ -191,7 +191,9 @@ def requested_protocol(rng: np.random.Generator, request: str, given: Protocol) 
     """Return the protocol of one further recording of the same robot; everything else stays as it was."""
     kinds = REQUESTS[request][1]
     first = given.runs[0]
-    lengths = [12e-3, 24e-3, 38e-3] if request in ("lengths", "slack") else sorted({run.length for run in given.runs})
+    # A tube recorded notch by notch has but one length.
+    free = request in ("lengths", "slack") and given.response != "notch"
+    lengths = [12e-3, 24e-3, 38e-3] if free else sorted({run.length for run in given.runs})
     plans = []
     for index, kind in enumerate(kinds):
         time, fraction, recorded = _run(rng, kind, 110, given.dt, 0.0, 0.0)
