@@ -263,6 +263,8 @@ class _Loads:
 
     def unturned(self, x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return places in the frame of the caller."""
+        if not np.any(self.turned):
+            return x, y
         cosine, sine = np.cos(self.turned), np.sin(self.turned)
         return cosine * x - sine * y, sine * x + cosine * y
 
