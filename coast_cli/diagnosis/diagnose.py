@@ -30,6 +30,8 @@ _ABOVE_NOISE = 1.9
 # Structure left over is tolerated up to these shares of the noise and of what was explained.
 _OF_NOISE = 0.6
 _OF_EXPLAINED = 0.35
+# ... and on rows that were not fitted the error must fall to this share, unless it is at the noise.
+_OF_HELD_OUT = 0.55
 # A base parameter has moved when the refit gains this many nats and changes the fit by this share of the noise.
 _PARAMETERS_GAIN = 6.0
 _PARAMETERS_SIZE = 0.35
@@ -94,7 +96,7 @@ class _Judge:
         unexplained = excess > _OF_NOISE * min(floor, leading.fit.rmse) and excess > _OF_EXPLAINED * explained
         final = self._final(leading.fit)
         comparison = self._comparison(leading.fit)
-        if leading.ids and not unexplained and not _holds(comparison, leading):
+        if leading.ids and not _holds(comparison, to_unit(problem.runs[0].kind, floor)):
             unexplained = True
         verdict = self._verdict(unexplained=unexplained)
         named = self._named(leading, final, excess, explained) if verdict in ("physics", "sensor", "ambiguous") else ()
@@ -269,10 +271,12 @@ def _excess(fitted: Fit, floor: float, structure: Structure) -> float:
     return float(max(above, repeated))
 
 
-def _holds(comparison: Comparison, leading: Hypothesis) -> bool:
-    """Return whether the improvement is there on rows that were not fitted."""
+def _holds(comparison: Comparison, floor: float) -> bool:
+    """Return whether most of the improvement is there on rows that were not fitted; ``floor`` in the table's unit."""
     before, after = comparison.refitted.held_out, comparison.with_effects.held_out
-    return before is None or after is None or not leading.ids or after < before
+    if before is None or after is None:
+        return True
+    return after < before and (after < _ABOVE_NOISE * floor or after < _OF_HELD_OUT * before)
 
 
 def _by_importance(problem: Problem, contest: Contest) -> list[str]:
