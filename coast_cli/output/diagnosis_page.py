@@ -14,6 +14,7 @@ from coast_cli.output.diagnosis_words import (
     levels,
     measured,
     mismatch,
+    named,
     nowhere,
     others,
     percent,
@@ -119,9 +120,8 @@ def _what(page: _Page, found: Diagnosis) -> None:
         page.say(f"Nothing is named.{tried}")
         return
     for effect in found.effects:
-        page.say(f"{effect.id}: {effect.title} ({effect.component}; {effect.kind})")
+        page.say(named(effect))
         page.say(effect.equation, indent=2 * _INDENT)
-    page.say(f"Confidence {percent(found.effects[0].confidence)}.")
     if found.alternatives:
         page.say(f"The recording cannot tell it from: {others(found)}.")
 

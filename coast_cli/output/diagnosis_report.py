@@ -15,6 +15,7 @@ from coast_cli.output.diagnosis_words import (
     levels,
     measured,
     mismatch,
+    named,
     nowhere,
     others,
     percent,
@@ -78,12 +79,7 @@ def _what(found: Diagnosis) -> str:
     if not found.effects:
         tried = f" Closest, not good enough: {', '.join(found.attempts)}." if found.attempts else ""
         return _text(f"Nothing is named.{tried}")
-    items = [
-        f"<p><b>{escape(effect.id)}</b>: {escape(effect.title)} ({escape(effect.component)}; {escape(effect.kind)})<br>"
-        f"<code>{escape(effect.equation)}</code></p>"
-        for effect in found.effects
-    ]
-    items.append(_text(f"Confidence {percent(found.effects[0].confidence)}."))
+    items = [f"<p>{escape(named(effect))}<br>\n<code>{escape(effect.equation)}</code></p>" for effect in found.effects]
     if found.alternatives:
         items.append(_text(f"The recording cannot tell it from: {others(found)}."))
     return "\n".join(items)

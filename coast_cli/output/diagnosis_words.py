@@ -6,7 +6,7 @@ from math import floor, isfinite, log10
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from coast_cli.diagnosis.answer import Comparison, Diagnosis, Level, Value
+    from coast_cli.diagnosis.answer import Comparison, Diagnosis, Level, Named, Value
     from coast_cli.diagnosis.locate import Region
 
 HEADLINES = {
@@ -139,6 +139,12 @@ def chance(probability: float) -> str:
 def others(found: Diagnosis) -> str:
     """Return the alternatives as a list."""
     return "; ".join(" + ".join(ids) for ids in found.alternatives)
+
+
+def named(effect: Named) -> str:
+    """Return an effect with its place and how sure its name is."""
+    sure = percent(effect.confidence)
+    return f"{effect.id}: {effect.title} ({effect.component}; {effect.kind}), confidence {sure}"
 
 
 def tip(found: Diagnosis) -> str:
