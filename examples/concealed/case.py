@@ -17,6 +17,7 @@ from examples.concealed.design import config_text
 from examples.concealed.draw import draw_world
 from examples.concealed.protocol import REQUESTS, requested_protocol
 from examples.concealed.recipes import OUTSIDE, RECIPES, TWINS
+from examples.concealed.refit import refit
 from examples.concealed.world import Array, Played, World, play_protocol
 
 
@@ -168,39 +169,53 @@ def write_files(
 
 
 def where(world: World, played: Played, name: str) -> list[dict[str, object]]:
-    """Return where the main effect acts: past its threshold where it has one, else where 90 % of it lies."""
+    """Return where the main effect is to be found.
+
+    That is past its threshold, where it has one, and on every axis the narrowest window that holds 90 % of what the
+    refitted base model leaves of the noiseless response.
+    """
     recipe, parameters = RECIPES[name], world.effects[name]
-    others = {key: value for key, value in world.effects.items() if key != name}
-    without = play_protocol(world.actual, world.protocol, others, world.curvature, world.streams)
-    power = ((played.response - without.response) ** 2).sum(axis=1)
-    base = play_protocol(world.actual, world.protocol, {}, world.curvature, world.streams)
-    scale = {"curvature": 1.0, "bend": None, "notch": np.radians(1) / world.actual.joint.middle.pitch}[
-        world.protocol.response
-    ]
-    bent = base.response.mean(axis=1) * (np.radians(1) / played.rows.length if scale is None else scale)
+    left = ((played.response - refit(played.rows, played.response)[1][:, None]) ** 2).sum(axis=1)
+    rows, joint = played.rows, world.actual.joint
+    per_degree = np.radians(1) / (joint.middle.pitch if rows.kind == "notch" else rows.length)
     values = {
-        "stroke": played.rows.drive * 1e3,
-        "tension": played.tension,
-        "curvature": bent,
+        "stroke" if joint.tendon_radius else "tension": rows.drive * (1e3 if joint.tendon_radius else 1.0),
+        "curvature": played.response.mean(axis=1) * (1.0 if rows.kind == "curvature" else per_degree),
         "time": played.time,
-        "bending_length": played.rows.length * 1e3,
-    }
-    threshold = {
-        ("tendon_superelasticity", "tension"): "knee_tension_n",
-        ("tube_superelasticity", "curvature"): "knee_curvature_per_m",
-        ("notch_closure", "curvature"): "contact_curvature_per_m",
-    }
+        "bending_length": rows.length * 1e3,
+    } | ({"tension": played.tension} if world.protocol.has_tension else {})
     out: list[dict[str, object]] = []
-    for axis in recipe.axes:
-        if axis == "direction":
-            out.append({"axis": axis, "value": "release", "low": None, "high": None})
-        elif axis in values and power.sum() > 0:
-            order = np.argsort(values[axis])
-            share = np.cumsum(power[order]) / power.sum()
-            low, high = (float(values[axis][order][np.searchsorted(share, q)]) for q in (0.05, 0.95))
-            if key := threshold.get((name, axis)):
-                low, high = float(parameters[key]), float(values[axis].max())  # type: ignore[arg-type]
+    for axis, along in values.items():
+        low, high = narrowest(along, left)
+        # A window as wide as the axis says nothing of a place.
+        if high - low <= 0.8 * float(np.ptp(along)):
             out.append({"axis": axis, "value": None, "low": low, "high": high})
-        else:
-            out.append({"axis": axis, "value": None, "low": None, "high": None})
-    return out
+        if key := THRESHOLDS.get((name, axis)):
+            out.append({"axis": axis, "value": None, "low": float(parameters[key]), "high": float(along.max())})  # type: ignore[arg-type]
+    moving = np.concatenate([np.gradient(rows.drive[rows.run == run]) for run in range(len(world.protocol.runs))])
+    load, release = (float(left[side].sum()) for side in (moving > 0, moving < 0))
+    # A branch is where the excess is if it holds two thirds of it; else both are.
+    sides = [side for side, held in (("load", load), ("release", release)) if held > (load + release) / 3]
+    out += [{"axis": "direction", "value": side, "low": None, "high": None} for side in sides]
+    listed = {entry["axis"] for entry in out}
+    return out + [
+        {"axis": axis, "value": None, "low": None, "high": None} for axis in recipe.axes if axis not in listed
+    ]
+
+
+THRESHOLDS = {
+    ("tendon_superelasticity", "tension"): "knee_tension_n",
+    ("tube_superelasticity", "curvature"): "knee_curvature_per_m",
+    ("notch_closure", "curvature"): "contact_curvature_per_m",
+}
+
+
+def narrowest(along: Array, power: Array, share: float = 0.9) -> tuple[float, float]:
+    """Return the narrowest window of `along` that holds this share of `power`."""
+    order = np.argsort(along, kind="stable")
+    held = np.concatenate([[0.0], np.cumsum(power[order])]) / max(float(power.sum()), 1e-300)
+    last = np.searchsorted(held, held[:-1] + share, side="left")
+    first = np.flatnonzero(last <= along.size)
+    width = along[order][last[first] - 1] - along[order][first]
+    best = first[int(np.argmin(width))]
+    return float(along[order][best]), float(along[order][last[best] - 1])

@@ -13,7 +13,7 @@ import numpy as np
 from examples.concealed.camera import draw_noise
 from examples.concealed.design import Robot, draw_robot
 from examples.concealed.lumped import Data, rivals
-from examples.concealed.protocol import Needs, Protocol, draw_protocol
+from examples.concealed.protocol import Needs, Protocol, draw_protocol, requested_protocol
 from examples.concealed.recipes import JOINT_EFFECTS, OUTSIDE, RECIPES, TWINS, Context
 from examples.concealed.refit import surviving
 from examples.concealed.world import World, play_protocol
@@ -88,6 +88,26 @@ def _one_length(p: Protocol) -> bool:
     return p.lengths == 1
 
 
+# The further recording that shows what was hidden.
+REVEALING = {
+    "capstan_hysteresis": "release",
+    "coulomb_friction": "release",
+    "backlash": "release",
+    "tendon_permanent_set": "release",
+    "sensor_lag": "rates",
+    "thermal_drift": "release",
+    "tendon_creep": "holds",
+    "tendon_superelasticity": "lengths",
+    "tube_superelasticity": "lengths",
+    "precurvature": "slack",
+    "camera_offset": "slack",
+    "camera_scale": "lengths",
+    "bending_length_offset": "lengths",
+    "tip_load": "slack",
+    "gravity": "slack",
+}
+
+
 def _held_out(rng: np.random.Generator, protocol: Protocol, needs: Sequence[Needs]) -> int | None:
     """Return a run without which the recording still shows what it showed; none when there are fewer than three."""
     if len(protocol.runs) < 3:
@@ -146,8 +166,7 @@ def _try_world(
     context = _context(actual, protocol, curvature)
     world.effects = {name: RECIPES[name].draw(rng, context) for name in names}
     if level == "L2":
-        world.twins = find_rivals(world, names[0])
-        return world, names, _sizes(world, names)
+        return _hide(rng, world, names)
     wanted = {"L3": (0.5, 3.0), "L4": (8.0, 30.0)}.get(level, (3.0, 40.0))
     target = float(np.exp(rng.uniform(np.log(wanted[0]), np.log(wanted[1]))))
     found = _scale(world, names, target, wanted[0], float(rng.uniform(1.0, 4.0)))
@@ -156,6 +175,18 @@ def _try_world(
     world.twins = find_rivals(world, names[0])
     # L1 and L5 promise that the recording can tell; elsewhere a rival is part of the truth.
     return None if world.twins and level in ("L1", "L5") else found
+
+
+def _hide(rng: np.random.Generator, world: World, names: list[str]) -> tuple[World, list[str], dict[str, float]] | None:
+    """Give a hidden effect a size that the recording which would reveal it shows clearly."""
+    further = requested_protocol(rng, REVEALING[names[0]], world.protocol)
+    revealed = replace(world, protocol=further)
+    target = float(np.exp(rng.uniform(np.log(5), np.log(25))))
+    if _scale(revealed, names, target, 3.5, 0.0) is None:
+        return None
+    world.effects, world.sigma = revealed.effects, revealed.sigma
+    world.twins = find_rivals(world, names[0])
+    return world, names, _sizes(world, names)
 
 
 def find_rivals(world: World, name: str) -> tuple[str, ...]:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from examples.concealed.camera import circle_curvature
-from examples.concealed.case import make_case
+from examples.concealed.case import make_case, narrowest
 from examples.concealed.design import Joint, Tube, config_text
 from examples.concealed.draw import LEVELS, draw_world
 from examples.concealed.mechanism import simulate
@@ -179,3 +179,20 @@ def test_hold_out_runs_are_whole_histories():
 def world_parts(seed):
     world, *_ = draw_world(seed, "L1")
     return world.actual, world.protocol, world.effects, world.curvature, world.streams
+
+
+def test_the_narrowest_window_holds_its_share():
+    along = np.linspace(0, 10, 101)
+    power = np.where((along > 3.95) & (along < 6.05), 1.0, 0.001)
+    low, high = narrowest(along, power)
+    assert 3.9 <= low <= 4.3
+    assert 5.7 <= high <= 6.1
+    assert power[(along >= low) & (along <= high)].sum() >= 0.9 * power.sum()
+
+
+@pytest.mark.parametrize("effect", ["backlash", "sensor_lag", "precurvature"])
+def test_a_hidden_effect_would_show_in_its_further_recording(effect):
+    case = make_case(3, "L2", effect)
+    assert case.truth["effects"][0]["id"] == effect
+    assert set(case.laboratory) == {"release", "holds", "lengths", "rates", "slack", "tension"}
+    assert all(text.count("\n") > 100 for text in case.laboratory.values())
