@@ -288,7 +288,3 @@ def _prior_width(parameter: Parameter, scales: dict[Scale, float]) -> float:
     reach = [abs(start * scale - (parameter.null if not parameter.relative_to else 0.0)) for start in parameter.starts]
     return 2.0 * max(*reach, 1e-9) if len(reach) > 1 else 2.0 * max(reach[0], 1e-9)
 
-
-def summary_of(effects: Sequence[Effect]) -> str:
-    """Return the ids of a set in words."""
-    return " + ".join(effect.id for effect in effects) or "base model"

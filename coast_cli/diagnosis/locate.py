@@ -56,7 +56,8 @@ def locate(problem: Problem, base: Fit) -> tuple[Region, ...]:
     """Return the regions that hold the base model's excess error, largest share first; none where it agrees."""
     samples = _collect(problem, base)
     floor = max(problem.noise, 1e-15) ** 2
-    correlation = float(np.clip(base.evidence.memory, 0.0, 0.95))
+    memory = min(base.evidence.memory, problem.noise_estimate.correlation)
+    correlation = float(np.clip(memory, 0.0, 0.95))
     looks = sum(1 for _ in _groups(samples))
     regions = []
     for axis, inside in _best_by_axis(samples, floor):

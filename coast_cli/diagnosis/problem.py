@@ -19,6 +19,7 @@ from coast_cli.recordings.model import JointRun
 from coast_cli.units import GIGAPASCAL, MILLIMETRE
 
 if TYPE_CHECKING:
+    from coast_cli.recordings.noise import NoiseEstimate
     from coast_cli.spec.config import Config
 
 Booleans = NDArray[np.bool_]
@@ -117,11 +118,16 @@ class Problem:
         return min(times, default=0.0)
 
     @cached_property
-    def floor(self) -> float:
-        """The noise level that the recording itself shows, SI, generous by its own uncertainty."""
+    def noise_estimate(self) -> NoiseEstimate:
+        """What the recording itself says of its noise, whatever the model."""
         from coast_cli.recordings.noise import recording_noise
 
-        estimate = recording_noise(self.runs)
+        return recording_noise(self.runs)
+
+    @cached_property
+    def floor(self) -> float:
+        """The noise level that the recording itself shows, SI, generous by its own uncertainty."""
+        estimate = self.noise_estimate
         generous = float(estimate.level * np.exp(min(estimate.log_level_std, 0.7)))
         # Second differences of AR(1) noise have variance 6 - 8 rho + 2 rho^2; kinks of the signal can only raise both.
         rho = min(estimate.correlation, 0.97)
