@@ -16,6 +16,7 @@ COMMANDS = {
     "beam": "coast_cli.cli.beam:beam",
     "sensitivity": "coast_cli.cli.sensitivity:sensitivity",
     "check": "coast_cli.cli.check:check",
+    "tolerance": "coast_cli.cli.tolerance:tolerance",
     "trace": "coast_cli.cli.trace:trace",
     "recordings": "coast_cli.cli.recordings:recordings",
     "calibrate": "coast_cli.cli.calibrate:calibrate",

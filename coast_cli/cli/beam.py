@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from coast_cli.cli.options import ConfigArgument, FormatOption, OutputOption
+from coast_cli.cli.options import ConfigArgument, FormatOption, OutputOption, PlotOption
 
 
 def beam(
@@ -19,6 +19,7 @@ def beam(
     points: Annotated[
         int | None, typer.Option(min=2, max=1_000_000, help="evenly spaced points; default: the ends of each piece")
     ] = None,
+    plot: PlotOption = None,
     format: FormatOption = None,
     output: OutputOption = None,
 ) -> None:
@@ -34,4 +35,8 @@ def beam(
     design = build(document)
     columns = shape_columns([design.tube(name) for name in tube], design.gravity, method=method, points=points)
     origin = provenance(document, options={"method": method, "points": points})
+    if plot is not None:
+        from coast_cli.output.design_plot import plot_shapes
+
+        plot_shapes(columns, plot)
     write_answer(Answer("beam", Columns(columns), origin, (*design.notes, *design.uncorrected)), format, output or ())

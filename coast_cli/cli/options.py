@@ -21,6 +21,9 @@ OutputOption = Annotated[
 PairOption = Annotated[
     str | None, typer.Option("--pair", metavar="OUTER/MIDDLE", help="the pair, or one tube; default: joint.pair")
 ]
+PlotOption = Annotated[
+    Path | None, typer.Option("--plot", metavar="FILE", help="also draw a picture: .png, .svg or .pdf")
+]
 
 
 def numbers(text: str, option: str) -> list[float]:

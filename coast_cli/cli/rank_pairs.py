@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from coast_cli.cli.options import ConfigArgument, FormatOption, OutputOption, numbers
+from coast_cli.cli.options import ConfigArgument, FormatOption, OutputOption, PlotOption, numbers
 
 
 def rank_pairs(
@@ -22,6 +22,10 @@ def rank_pairs(
     weights: Annotated[
         str, typer.Option(metavar="W,W,W", help="of pre-curvature, rigidity ratio and total rigidity")
     ] = "1,1,1",
+    robust: Annotated[
+        bool, typer.Option("--robust", help="rank by the chance of passing [checks] over [tolerances]")
+    ] = False,
+    plot: PlotOption = None,
     format: FormatOption = None,
     output: OutputOption = None,
 ) -> None:
@@ -40,6 +44,16 @@ def rank_pairs(
 
     options = RankOptions(rigidity, assembly, section, tuple(numbers(weights, "--weights")))
     document = load_config(config)
-    ranking = rank(document, options)
-    origin = provenance(document, options=asdict(options))
+    if robust:
+        from coast_cli.design.robust import SAMPLES, robust_rank
+
+        ranking = robust_rank(document, options)
+        origin = provenance(document, options=asdict(options) | {"robust": SAMPLES}, seed=0)
+    else:
+        ranking = rank(document, options)
+        origin = provenance(document, options=asdict(options))
+    if plot is not None:
+        from coast_cli.output.design_plot import plot_pairs
+
+        plot_pairs(ranking.columns, rigidity, plot)
     write_answer(Answer("rank-pairs", Columns(ranking.columns), origin, ranking.notes), format, output or ())

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from coast_cli.cli.options import FormatOption, OutputOption, PairOption, numbers
+from coast_cli.cli.options import FormatOption, OutputOption, PairOption, PlotOption, numbers
 
 WORKING_COPY = Path("configs/tubes.toml")
 
@@ -22,6 +22,7 @@ def stroke(
     x2: Annotated[str, typer.Option("--x2", help="bending lengths, mm: as for --kappa")],
     stroke: Annotated[str | None, typer.Option(help="strokes, mm, instead of curvatures: what they reach")] = None,
     pair: PairOption = None,
+    plot: PlotOption = None,
     format: FormatOption = None,
     output: OutputOption = None,
 ) -> None:
@@ -54,5 +55,9 @@ def stroke(
         strokes=[] if stroke is None else [value * MILLIMETRE for value in numbers(stroke, "--stroke")],
         effects=design.effects,
     )
+    if plot is not None:
+        from coast_cli.output.design_plot import plot_strokes
+
+        plot_strokes(columns, plot)
     answer = Answer("stroke", Columns(columns), provenance(document), (*design.notes, *notes))
     write_answer(answer, format, output or ())

@@ -66,7 +66,7 @@ def rank(config: Config, options: RankOptions | None = None) -> Ranking:
     for role in ("outer", "middle"):
         if getattr(config, role) is None:
             raise config.refuse((), f"a pair needs an outer and a middle tube, and there is no [{role}] table")
-    design = _with_section(build(config), options.section)
+    design = with_section(build(config), options.section)
     pairs = pair_table(design.outer, design.middle, design.gravity, options.assembly)
     reasons = _reasons(design, pairs)
     possible = reasons == ""
@@ -99,7 +99,8 @@ def pareto(costs: FloatArray) -> NDArray[np.bool_]:
     return ~dominated[place.ravel()]
 
 
-def _with_section(design: Design, section: SectionKind | None) -> Design:
+def with_section(design: Design, section: SectionKind | None) -> Design:
+    """Return the design with one section for every tube, or as it is where none is given."""
     if section is None:
         return design
     outer, middle = (
@@ -119,13 +120,21 @@ def _scores(
     pairs: PairTable, rigidity: Rigidity, weights: Sequence[float], possible: NDArray[np.bool_]
 ) -> FloatArray:
     """Return the score of each pair, infinite for an impossible one."""
-    scores = np.full(possible.size, np.inf)
-    if np.any(possible):
-        costs = _costs(pairs, rigidity)[possible]
-        low, high = costs.min(axis=0), costs.max(axis=0)
-        scaled = (costs - low) / np.where(high > low, high - low, 1.0)
-        scores[possible] = np.sqrt((np.array(weights) * scaled**2).sum(axis=1))
-    return scores
+    return scores_of(np.where(possible[:, None], _costs(pairs, rigidity), np.nan), weights)
+
+
+def scores_of(costs: FloatArray, weights: Sequence[float]) -> FloatArray:
+    """Return the score of each pair, infinite where its costs are NaN.
+
+    Args:
+        costs: shape (pairs, 3), or (pairs, 3, m) for m benches that are each scaled by themselves.
+    """
+    known = np.isfinite(costs)
+    low = np.where(known, costs, np.inf).min(axis=0)
+    high = np.where(known, costs, -np.inf).max(axis=0)
+    scaled = (costs - low) / np.where(high > low, high - low, 1.0)
+    factors = np.array(weights).reshape(-1, *[1] * (costs.ndim - 2))
+    return np.where(known.all(axis=1), np.sqrt((factors * scaled**2).sum(axis=1)), np.inf)
 
 
 def _reasons(design: Design, pairs: PairTable) -> NDArray[np.object_]:
@@ -181,6 +190,8 @@ def _columns(
         "score": figure(scores),
         "pareto": best[order],
         "leading_tube": figure(np.where(pairs.signed_precurvature > 0.0, "outer", "middle")),
+        "probability_passing": [None] * order.size,
+        "probability_first": [None] * order.size,
         "reason": shown[order],
     }
 

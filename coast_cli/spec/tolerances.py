@@ -24,7 +24,7 @@ class Tolerance(Document):
 
 
 class Tolerances(Document):
-    """What varies from tube to tube; all notches of one tube vary alike, different tubes independently."""
+    """What varies: diameters and modulus from stock to stock, the rest from sample to sample, all its notches alike."""
 
     outer_diameter_mm: Tolerance = Field(
         Tolerance(plus_minus=0.007), description="outer diameter, mm; default 0.007, of drawn tube stock"

@@ -1,0 +1,231 @@
+"""What tolerances do to a pair: distributions of its figures, the chance of every check, and what to tighten first.
+
+Plain random samples, so that every probability carries its binomial interval.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coast_cli.design.figures import FIGURES, POINT_FIGURES, BentTubes, bent, pair_figures_of
+from coast_cli.design.indices import sobol_indices_of
+from coast_cli.design.limits import Limit, assembles, at_the_point, limits
+from coast_cli.design.population import TubePopulation
+from coast_cli.design.rank import RankOptions, scores_of
+from coast_cli.design.variation import Variation, variation
+from coast_cli.errors import NotConverged
+from coast_cli.mechanics.section import FloatArray
+from coast_cli.mechanics.tube import NotchedTube
+from coast_cli.spec.build import Design
+
+Row = dict[str, Any]
+INDEX_SAMPLES = 512  # the model runs (inputs + 2) times as often
+_NO_EFFECT = 0.01  # total index; smaller ones are noise of the estimate
+MOST_RANKED = 1000  # samples of the whole bench
+_COLUMNS = (
+    "kind", "name", "input", "nominal", "limit", "mean", "std", "low_90", "median", "high_90",
+    "probability", "probability_low", "probability_high", "first_order", "total_effect",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Made:
+    """Samples of one pair as made: its figures, shape (m,) each, NaN where the tubes are impossible or not solved."""
+
+    columns: Mapping[str, FloatArray]
+    possible: NDArray[np.bool_]
+    limits: tuple[Limit, ...]
+
+    @property
+    def passes(self) -> NDArray[np.bool_]:
+        """Whether every check holds; an impossible pair does not pass."""
+        held = [limit.holds(self.columns) for limit in self.limits]
+        return np.asarray(np.logical_and.reduce([self.possible, *held]))
+
+
+def tolerance_rows(
+    design: Design,
+    pair: tuple[str, str],
+    *,
+    samples: int,
+    seed: int,
+    ranked: bool = True,
+    index_samples: int = INDEX_SAMPLES,
+) -> tuple[list[Row], tuple[str, ...], Mapping[str, FloatArray]]:
+    """Return rows, notes and the sampled figures of one pair.
+
+    Args:
+        samples: of the pair. seed: of the random numbers. ranked: also sample the whole bench for the ranking.
+        index_samples: base samples of the Sobol indices, a power of two.
+
+    Raises:
+        NotConverged: no sample of the pair can be assembled and solved.
+    """
+    outer, middle = (design.tube(name) for name in pair)
+    varied = variation(design.config, (outer, middle))
+    draws = np.random.default_rng(seed).random((samples, len(varied.inputs)))
+    made = make_pair(design, varied, (outer, middle), draws)
+    if not np.any(made.possible):
+        raise NotConverged(f"{'/'.join(pair)}: with these tolerances no sample can be assembled: give smaller ones.")
+    nominal = make_pair(design, varied, (outer, middle), np.full((1, len(varied.inputs)), 0.5)).columns
+    rows = [*_distributions(made, nominal), *_checks(made, nominal)]
+    share = 1.0 - float(np.mean(made.possible))
+    rows.append(_row("check", "impossible", **_probability(~made.possible)))
+    if ranked:
+        rows += _first_places(design, seed, min(samples, MOST_RANKED))
+    indices, dropped = _indices(design, varied, (outer, middle), (index_samples, seed))
+    notes = _notes(design, varied, share, dropped)
+    return [*rows, *indices], notes, made.columns
+
+
+def make_pair(
+    design: Design, varied: Variation, tubes: tuple[NotchedTube, NotchedTube], draws: FloatArray
+) -> Made:
+    """Return the figures of a pair for each row of probabilities, shape (m, inputs)."""
+    outer, middle = (varied.tube(tube, draws) for tube in tubes)
+    possible = assembles(design.config, outer, middle)
+    rows = np.flatnonzero(possible)
+    known: dict[str, FloatArray] = {}
+    if rows.size:
+        some_outer, some_middle = outer.picked(rows), middle.picked(rows)
+        solved = bent(some_outer, design.gravity, roll=varied.roll(draws)[rows]), bent(some_middle, design.gravity)
+        every = np.arange(rows.size)
+        known = pair_figures_of(*solved, (every, every)) | at_the_point(design, some_outer, some_middle)
+    columns = {name: np.full(possible.size, np.nan) for name in known or FIGURES}
+    for name, values in known.items():
+        columns[name][rows] = values
+    return Made(columns, possible & np.isfinite(columns["total_precurvature_rad"]), limits(design.config))
+
+
+def chances(
+    design: Design, options: RankOptions, *, samples: int, seed: int
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Return whether each pair (middle-major) passes all checks, and ranks first, in each sample; shape (pairs, samples).
+
+    The bench is sampled as a whole: a tube has the same errors in every pair that it is part of.
+    """
+    config = design.config
+    varied = variation(config, (*design.outer, *design.middle))
+    draws = np.random.default_rng(seed).random((samples, len(varied.inputs)))
+    roll = varied.roll(draws)
+    tubes = {tube.name: varied.tube(tube, draws) for tube in (*design.outer, *design.middle)}
+    solved = {tube.name: _solved(design, tube, tubes[tube.name], roll) for tube in design.outer}
+    solved |= {tube.name: _solved(design, tube, tubes[tube.name], 0.0 * roll) for tube in design.middle}
+    bounds = limits(config)
+    every = np.arange(samples)
+    costs, passing = [], []
+    for two in design.middle:
+        for one in design.outer:
+            pair = tubes[one.name], tubes[two.name]
+            possible = assembles(config, *pair)
+            columns = pair_figures_of(solved[one.name], solved[two.name], (every, every))
+            with np.errstate(invalid="ignore"):  # figures of impossible tubes, which do not pass
+                columns |= at_the_point(design, *pair)
+                ratio = np.abs(np.log(columns[f"rigidity_ratio_{options.rigidity}"]))
+                held = [limit.holds(columns) for limit in bounds]
+            passing.append(np.logical_and.reduce([possible, *held]))
+            total = columns[f"total_rigidity_{options.rigidity}_n_m2"]
+            cost = np.stack((columns["total_precurvature_rad"], ratio, total))
+            costs.append(np.where(possible, cost, np.nan))
+    table = np.stack(costs)  # (pairs, 3, samples)
+    scores = scores_of(table, options.weights)
+    best = np.argmin(scores, axis=0)
+    return np.stack(passing), (np.arange(len(costs))[:, None] == best) & np.isfinite(scores)
+
+
+def _solved(design: Design, tube: NotchedTube, made: TubePopulation, roll: FloatArray) -> BentTubes:
+    """Solve a population in which another sample stands in for each impossible tube, which passes nothing anyhow."""
+    if np.all(made.possible):
+        return bent(made, design.gravity, roll=roll)
+    rows = np.flatnonzero(made.possible)
+    if rows.size == 0:
+        raise NotConverged(f"{tube.name}: with these tolerances no sample is a tube: give smaller ones.")
+    nearest = rows[np.minimum(np.searchsorted(rows, np.arange(made.size)), rows.size - 1)]
+    return bent(made.picked(nearest), design.gravity, roll=roll[nearest])
+
+
+def _first_places(design: Design, seed: int, samples: int) -> list[Row]:
+    if len(design.outer) * len(design.middle) < 2:
+        return []
+    _, first = chances(design, RankOptions(), samples=samples, seed=seed)
+    names = [f"{one.name}/{two.name}" for two in design.middle for one in design.outer]
+    rows = [
+        _row("first", name, **_probability(wins)) for name, wins in zip(names, first, strict=True) if wins.any()
+    ]
+    return sorted(rows, key=lambda row: -row["probability"])
+
+
+def _distributions(made: Made, nominal: Mapping[str, FloatArray]) -> list[Row]:
+    rows = []
+    for name in (*FIGURES, *POINT_FIGURES):
+        if name in made.columns:
+            values = made.columns[name][made.possible]
+            low, median, high = np.quantile(values, (0.05, 0.5, 0.95)).tolist()
+            facts = {"mean": float(values.mean()), "std": float(values.std()), "low_90": low, "median": median}
+            rows.append(_row("figure", name, nominal=_known(nominal[name][0]), high_90=high, **facts))
+    return rows
+
+
+def _checks(made: Made, nominal: Mapping[str, FloatArray]) -> list[Row]:
+    rows = [
+        _row(
+            "check", limit.check, input=limit.bound, nominal=_known(nominal[limit.figure][0]), limit=limit.limit,
+            **_probability(limit.holds(made.columns)),
+        )
+        for limit in made.limits
+    ]  # fmt: skip
+    return [*rows, _row("check", "all", **_probability(made.passes))] if rows else []
+
+
+def _indices(
+    design: Design, varied: Variation, tubes: tuple[NotchedTube, NotchedTube], sequence: tuple[int, int]
+) -> tuple[list[Row], int]:
+    """Return rows of Sobol indices, the largest total first for each figure, and how many samples were replaced."""
+    found = sobol_indices_of(
+        lambda draws: make_pair(design, varied, tubes, draws).columns, len(varied.inputs), *sequence
+    )
+    rows = []
+    for name, (first, total) in found.indices.items():
+        order = [column for column in np.argsort(-total) if total[column] > _NO_EFFECT]
+        rows += [
+            _row("index", name, input=varied.inputs[k].name, first_order=float(first[k]), total_effect=float(total[k]))
+            for k in order
+        ]
+    return rows, found.replaced
+
+
+def _probability(hits: NDArray[np.bool_]) -> dict[str, float]:
+    """Return a share with its 95 % interval (Wilson 1927)."""
+    count, share, z = hits.size, float(np.mean(hits)), 1.959963984540054
+    centre = (share + z * z / (2 * count)) / (1 + z * z / count)
+    half = z / (1 + z * z / count) * float(np.sqrt(share * (1 - share) / count + z * z / (4 * count * count)))
+    low, high = centre - half if share > 0.0 else 0.0, centre + half if share < 1.0 else 1.0
+    return {"probability": share, "probability_low": low, "probability_high": high}
+
+
+def _row(kind: str, name: str, **values: Any) -> Row:  # noqa: ANN401
+    return {**dict.fromkeys(_COLUMNS), "kind": kind, "name": name, **values}
+
+
+def _known(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
+
+
+def _notes(design: Design, varied: Variation, share: float, dropped: int) -> tuple[str, ...]:
+    notes = [*design.notes, *design.uncorrected]
+    if design.config.tolerances is None:
+        notes.append(
+            "there is no [tolerances] table: OD +-0.007 and ID +-0.015 mm (drawn tube stock), depth +-0.01 mm (laser)."
+        )
+    if share > 0.0:
+        notes.append(f"{100.0 * share:.3g} % of the samples cannot be made or assembled; they count as failing.")
+    if dropped:
+        notes.append(f"{dropped} impossible samples count as average in the Sobol indices.")
+    if not varied.inputs:
+        notes.append("every tolerance is 0: nothing varies.")
+    return tuple(notes)
