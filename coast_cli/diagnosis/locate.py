@@ -2,11 +2,12 @@
 
 For every axis the region is sought whose samples, left out of the refit, leave the rest at the noise while they
 themselves stand out: the best description of the residual by two variances, base parameters refitted outside. Sums over
-a dozen bins of each axis give every interval at once. A region's p-value pays for every region looked at.
+a dozen bins of each axis give every interval at once. A region's p-value pays for every region of its axis and for every axis.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -58,12 +59,12 @@ def locate(problem: Problem, base: Fit) -> tuple[Region, ...]:
     floor = max(problem.noise, 1e-15) ** 2
     memory = min(base.evidence.memory, problem.noise_estimate.correlation)
     correlation = float(np.clip(memory, 0.0, 0.95))
-    looks = sum(1 for _ in _groups(samples))
+    looks = Counter(axis for axis, _ in _groups(samples))
     regions = []
     for axis, inside in _best_by_axis(samples, floor):
         outside = ~inside
         gain, excess_in, excess_out = _two_variances(samples, inside, floor)
-        p_value = min(1.0, looks * np.exp(-gain * (1.0 - correlation) / (1.0 + correlation)))
+        p_value = min(1.0, len(looks) * looks[axis] * np.exp(-gain * (1.0 - correlation) / (1.0 + correlation)))
         if p_value > _SIGNIFICANT or not np.any(outside):
             continue
         share = excess_in / max(excess_in + excess_out, 1e-300)
