@@ -10,6 +10,7 @@ from coast_cli.effects.camera_offset import CameraOffset
 from coast_cli.effects.camera_scale import CameraScale
 from coast_cli.effects.capstan_hysteresis import CapstanHysteresis
 from coast_cli.effects.chord_section import ChordSection
+from coast_cli.effects.corrections import correction_parameters, own_values
 from coast_cli.effects.coulomb_friction import CoulombFriction
 from coast_cli.effects.distributed_notch_friction import DistributedNotchFriction
 from coast_cli.effects.effect import Effect
@@ -64,30 +65,26 @@ def in_order(effects: Iterable[Effect]) -> tuple[Effect, ...]:
 
 
 def build_effects(corrections: Mapping[str, Mapping[str, float]]) -> tuple[Effect, ...]:
-    """Return the effects of a ``[corrections]`` table: effect id -> parameter -> value.
+    """Return the effects of a ``[corrections]`` table: effect id -> parameter -> value; what only shapes have is left out.
 
     Raises:
         BadInput: an effect or a parameter is unknown, or a value lies outside its range.
     """
+    known = correction_parameters()
     effects = []
     for identifier, values in corrections.items():
-        effect = CATALOGUE.get(identifier)
-        if effect is None:
-            raise BadInput(
-                "unknown effect", key=f"corrections.{identifier}", found=identifier, hint=nearest(identifier, CATALOGUE)
-            )
-        known = {parameter.name: parameter for parameter in effect.parameters}
+        key = f"corrections.{identifier}"
+        if identifier not in known:
+            raise BadInput("unknown effect", key=key, found=identifier, hint=nearest(identifier, known))
         for name, value in values.items():
-            if name not in known:
-                raise BadInput(
-                    "unknown parameter", key=f"corrections.{identifier}.{name}", found=name, hint=nearest(name, known)
-                )
-            if not known[name].low <= value <= known[name].high:
-                raise BadInput(
-                    "out of range",
-                    key=f"corrections.{identifier}.{name}",
-                    found=value,
-                    allowed=f"{known[name].low:g} to {known[name].high:g}",
-                )
-        effects.append(effect(**dict(values)))
+            if name not in known[identifier]:
+                hint = nearest(name, known[identifier])
+                raise BadInput("unknown parameter", key=f"{key}.{name}", found=name, hint=hint)
+            low, high = known[identifier][name]
+            if not low <= value <= high:
+                raise BadInput("out of range", key=f"{key}.{name}", found=value, allowed=f"{low:g} to {high:g}")
+        effect = CATALOGUE.get(identifier)
+        own = own_values(effect.parameters, values) if effect is not None else {}
+        if effect is not None and own:
+            effects.append(effect(**own))
     return in_order(effects)

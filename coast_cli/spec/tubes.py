@@ -225,14 +225,14 @@ def _check_limits(config: Config) -> None:
 def _check_corrections(config: Config) -> None:
     if not config.corrections:
         return
-    from coast_cli.effects.catalogue import CATALOGUE
+    from coast_cli.effects.corrections import correction_parameters
 
+    known = correction_parameters()
     for effect, parameters in config.corrections.items():
         path: Path = ("corrections", effect)
-        if effect not in CATALOGUE:
-            known = list(CATALOGUE)
+        if effect not in known:
             raise config.refuse(path, "there is no such effect", allowed=", ".join(known), hint=nearest(effect, known))
-        ranges = {parameter.name: (parameter.low, parameter.high) for parameter in CATALOGUE[effect].parameters}
+        ranges = known[effect]
         for name, value in parameters.items():
             if name not in ranges:
                 allowed, hint = ", ".join(ranges), nearest(name, ranges)
