@@ -138,12 +138,12 @@ def change_of(one: Hypothesis, other: Hypothesis) -> float:
 
 
 def screen(problem: Problem, parent: Fit, level: float) -> list[ShapeEffect]:
-    """Return the best start of each effect on each tube, best first, by how much its first step would take away.
+    """Return the best start of each effect, best first, by how much its first step would take away.
 
     The step may be any multiple of the start, other parameters follow to first order, and the start is moved with it.
     """
     scale = max(level, parent.evidence.level, 1e-12)
-    taken = {effect.id for effect in parent.effects}
+    taken = {effect.id for effect in (*parent.effects, *problem.fixed_effects)}
     starts = [
         start for effect in SHAPE_CATALOGUE.values() if effect.id not in taken and (problem.scene.pairs or not effect.on_pairs)
         for start in effect.starts(problem.scene)
@@ -160,7 +160,7 @@ def screen(problem: Problem, parent: Fit, level: float) -> list[ShapeEffect]:
     nuisance = parent.jacobian / scale
     precision = nuisance.T @ nuisance + np.diag(1.0 / space.width**2)
     residual = parent.residual / scale
-    best: dict[tuple[str, float], tuple[float, ShapeEffect]] = {}
+    best: dict[str, tuple[float, ShapeEffect]] = {}
     for start, (first, touched) in zip(starts, spans, strict=True):
         change = np.zeros_like(residual)
         for offset, index in enumerate(touched):
@@ -175,9 +175,8 @@ def screen(problem: Problem, parent: Fit, level: float) -> list[ShapeEffect]:
         if start.one_sided() and amount <= 0.0:
             continue
         gain = amount**2 * size / 2.0
-        key = label(start)
-        if gain > _WORTH_FITTING and (key not in best or gain > best[key][0]):
-            best[key] = gain, start.scaled(amount)
+        if gain > _WORTH_FITTING and (start.id not in best or gain > best[start.id][0]):
+            best[start.id] = gain, start.scaled(amount)
     ranked = sorted(best.values(), key=lambda pair: -pair[0])
     return [effect for gain, effect in ranked if gain > _RIVAL_SHARE * ranked[0][0]]
 
