@@ -35,6 +35,8 @@ _OF_HELD_OUT = 0.55
 # A base parameter has moved when the refit gains this many nats and changes the fit by this share of the noise.
 _PARAMETERS_GAIN = 6.0
 _PARAMETERS_SIZE = 0.35
+# Share of the residual that other runs must predict to count as structure; slow noise reaches 0.4 by chance.
+_REPEATS = 0.45
 _FEWEST_SAMPLES = 12
 
 
@@ -267,7 +269,7 @@ def _untested(problem: Problem) -> str:
 def _excess(fitted: Fit, floor: float, structure: Structure) -> float:
     """Return the RMS of what is neither model nor noise, SI."""
     above = np.sqrt(max(fitted.rmse**2 - floor**2, 0.0)) if fitted.rmse > _ABOVE_NOISE * floor else 0.0
-    repeated = fitted.rmse * np.sqrt(max(structure.repeats, 0.0)) if structure.repeats > 0.3 else 0.0
+    repeated = fitted.rmse * np.sqrt(max(structure.repeats, 0.0)) if structure.repeats > _REPEATS else 0.0
     return float(max(above, repeated))
 
 

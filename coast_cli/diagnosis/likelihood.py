@@ -21,7 +21,7 @@ Integers = NDArray[np.int64]
 # (memory of the AR(1) part, share of white noise in the variance)
 COLOURS: tuple[tuple[float, float], ...] = (
     (0.0, 1.0),
-    *((memory, white) for memory in (0.3, 0.5, 0.7, 0.85, 0.93, 0.97, 0.99) for white in (0.0, 0.3, 0.6, 0.85)),
+    *((memory, white) for memory in (0.3, 0.5, 0.7, 0.8, 0.87, 0.92, 0.96, 0.99) for white in (0.0, 0.3, 0.6, 0.85)),
 )
 # (length over which a smooth curve bends, in samples, white share): the null's rival in ``structure``
 SMOOTH: tuple[tuple[float, float], ...] = tuple(

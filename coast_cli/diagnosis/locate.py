@@ -21,6 +21,9 @@ from coast_cli.units import MILLIMETRE
 
 _BINS = 16
 _FEWEST = 8
+_EVEN = 0.02  # an axis that spreads less than this is one value with jitter
+# Axes that merely go along with others count less where shares are equal.
+_INCIDENTAL = {"time": 0.6, "run": 0.6, "cycle": 0.6, "rate": 0.6}
 _SIGNIFICANT = 0.01
 
 
@@ -69,7 +72,7 @@ def locate(problem: Problem, base: Fit) -> tuple[Region, ...]:
             continue
         share = excess_in / max(excess_in + excess_out, 1e-300)
         regions.append(_region(samples, axis, inside, float(np.clip(share, 0.0, 1.0)), float(p_value), gain))
-    return tuple(sorted(regions, key=lambda region: (-round(region.share, 1), -region.nats)))
+    return tuple(sorted(regions, key=lambda region: (-round(region.share, 1), -region.nats * _INCIDENTAL.get(region.axis, 1.0))))
 
 
 def _collect(problem: Problem, base: Fit) -> _Samples:
@@ -128,7 +131,7 @@ def _groups(samples: _Samples) -> Iterator[tuple[str, NDArray[np.bool_]]]:
                 yield axis, names == name
     for axis, values in samples.continuous.items():
         edges = np.unique(np.quantile(values, np.linspace(0.0, 1.0, _BINS + 1)))
-        if edges.size < 3:
+        if edges.size < 3 or np.ptp(values) < _EVEN * np.max(np.abs(values)):
             continue
         place = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, edges.size - 2)
         for first in range(edges.size - 1):

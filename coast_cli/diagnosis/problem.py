@@ -118,11 +118,16 @@ class Problem:
         return min(times, default=0.0)
 
     @cached_property
+    def _fitted_runs(self) -> tuple[JointRun, ...]:
+        """Runs with rows that are fitted: nothing that a verdict rests on is taken from the others."""
+        return tuple(run for run, rows in zip(self.runs, self.train, strict=True) if rows.any()) or self.runs
+
+    @cached_property
     def noise_estimate(self) -> NoiseEstimate:
         """What the recording itself says of its noise, whatever the model."""
         from coast_cli.recordings.noise import recording_noise
 
-        return recording_noise(self.runs)
+        return recording_noise(self._fitted_runs)
 
     @cached_property
     def floor(self) -> float:
@@ -217,6 +222,8 @@ class Problem:
         curvature, strain, closure, tension = 1e-9, 1e-9, 1e-9, 1e-9
         predictions = self.predict(self.configured(), ())
         for run, prediction in zip(self.runs, predictions, strict=True):
+            if run not in self._fitted_runs:
+                continue
             joint = self.joints[run.pair]
             stations = stations_for(joint, (), float(run.bending_length[0]), run.kind, run.response.shape[1], 1.0)
             divisor = {"curvature": 1.0, "bend": float(run.bending_length.mean()), "notch": float(stations.pitch.mean())}
@@ -226,7 +233,7 @@ class Problem:
             closure = max(closure, seen / float(stations.segment.closing_curvature.mean()))
             measured = run.tension if run.tension is not None else prediction.tension
             tension = max(tension, float(np.nanmax(measured, initial=0.0)))
-        response = max(float(np.nanmax(np.abs(run.response), initial=0.0)) for run in self.runs)
+        response = max(float(np.nanmax(np.abs(run.response), initial=0.0)) for run in self._fitted_runs)
         spans = [float(np.ptp(run.time)) for run in self.runs if run.time is not None and run.time.size]
         return {
             "": 1.0,
@@ -273,15 +280,16 @@ def build_problem(config: Config, runs: Sequence[JointRun], held_out: Sequence[B
     joints = {run.pair: build_joint(config, run.outer, run.middle) for run in runs}
     if config.tendon is None and any(run.stroke is not None for run in runs):
         raise config.refuse(("tendon",), "a stroke needs a tendon", allowed="a [tendon] table")
-    usable, noise = _screened([run.response for run in runs])
+    held = held_out or [np.zeros(len(run), bool) for run in runs]
+    fitted = [not rows.all() for rows in held]
+    usable, noise = _screened([run.response for run in runs], fitted)
     witness = all(run.tension is not None and run.stroke is not None for run in runs)
     if witness:
         columns = [_required(run.tension)[:, np.newaxis] for run in runs]
-        tension_usable, tension_noise = _screened(columns)
+        tension_usable, tension_noise = _screened(columns, fitted)
         tension_rows = tuple(use[:, 0] for use in tension_usable)
     else:
         tension_rows, tension_noise = tuple(np.zeros(len(run), bool) for run in runs), None
-    held = held_out or [np.zeros(len(run), bool) for run in runs]
     return Problem(
         runs=tuple(runs),
         joints=joints,
@@ -334,9 +342,9 @@ def _given_bounds(config: Config, name: str) -> tuple[float, float] | None:
     return (number.min, number.max) if isinstance(number, Calibrated) else None
 
 
-def _screened(columns: Sequence[FloatArray]) -> tuple[list[Booleans], float]:
-    """Return which samples count (finite, and no lone outlier) and the rough noise level, from second differences."""
-    level = _difference_level(columns)
+def _screened(columns: Sequence[FloatArray], fitted: Sequence[bool]) -> tuple[list[Booleans], float]:
+    """Return which samples count (finite, and no lone outlier) and the rough noise level of the runs that are fitted."""
+    level = _difference_level([values for values, use in zip(columns, fitted, strict=True) if use] or columns)
     usable = []
     for values in columns:
         good = np.isfinite(values)
