@@ -7,7 +7,6 @@ of every effect at once, each scaled to where its first step would take it, base
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np

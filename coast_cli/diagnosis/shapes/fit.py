@@ -29,7 +29,8 @@ class Fit:
 
     Attributes:
         effects: with their fitted parameters. coordinates: base parameters in fit coordinates (p,).
-        covariance: of base and then effect parameters (q, q), of logarithms where a fit moves those. evidence: of the residual as noise.
+        covariance: of base and then effect parameters (q, q), of logarithms where a fit moves those.
+        evidence: of the residual as noise.
         log_likelihood: of it, plus the log priors. rmse: m. residual: observed less model, m.
         jacobian: of the residual by every parameter, (n, q). at_bound: (q,).
     """
@@ -87,13 +88,14 @@ def _finished(space: Space, vector: FloatArray, residual: FloatArray, evidence: 
     jacobian = space.jacobian(vector, residual)
     white = problem.bank.whiten(jacobian, evidence.colour) / max(evidence.level, 1e-12)
     precision = white.T @ white + np.diag(1.0 / space.width**2)
+    covariance = np.asarray(np.linalg.pinv(precision, hermitian=True), dtype=float)
     margin = 1e-6 * (space.high - space.low)
     touching = (vector <= space.low + margin) | (vector >= space.high - margin)
     prior = -0.5 * float(np.sum(space.prior(vector) ** 2))
     return Fit(
         effects=fitted,
         coordinates=coordinates,
-        covariance=np.linalg.pinv(precision, hermitian=True),
+        covariance=covariance,
         evidence=evidence,
         log_likelihood=evidence.log_likelihood + prior,
         rmse=float(np.sqrt(np.mean(residual**2))) if residual.size else 0.0,

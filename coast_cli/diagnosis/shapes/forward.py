@@ -222,8 +222,8 @@ def _cells(
         length, flexibility, natural * length, weight * length, sideways * length, offset * natural * length,
         offset * flexibility,
     ])  # fmt: skip
-    merged = _merged(columns, layout.chosen)
-    return _Beam(*merged[:6], merged[6] / merged[1], loads)
+    span, soft, bend, load, turn, shrink, share = _merged(columns, layout.chosen)
+    return _Beam(span, soft, bend, load, turn, shrink, share / soft, loads)
 
 
 def _merged(columns: FloatArray, chosen: NDArray[np.int64] | None) -> FloatArray:

@@ -66,7 +66,7 @@ def diagnose_shapes(
 
 @dataclass(frozen=True)
 class _Judge:
-    """Turns a contest into a verdict, and the verdict into figures; ``floor`` is the noise of the points, m, with its correlation."""
+    """Turns a contest into a verdict and figures; ``floor`` and ``correlation`` are of the noise of the points (m)."""
 
     problem: Problem
     kept_back: HoldOut

@@ -1,4 +1,4 @@
-"""What no named effect explains: is there still structure in the residuals, beyond what noise of the points draws?
+"""Structure that a fit leaves in the residuals, beyond what noise of the points draws.
 
 *Smooth*: they are likelier as a smooth curve plus white noise than as AR(1) noise. *Repeats*: one photograph's residual
 predicts that of another of the same tube the same way up, at equal arc length. *Level*: they stand above the noise.

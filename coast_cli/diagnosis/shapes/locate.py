@@ -9,6 +9,7 @@ looks / factor bounds the p-value. A base rotation competes as a stretch of no l
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,14 +21,33 @@ from coast_cli.mechanics.section import FloatArray
 from coast_cli.units import MILLIMETRE
 
 _BINS = 16
-_REFINED = 3
+_REFINED, _FINER = 3, 8
 _SIGNIFICANT = 0.01
 _WIDTHS = (0.3, 3.0, 30.0)  # of the curvature that turns the tip by one noise width over the tube's length
 
 
+_Block = tuple[FloatArray, FloatArray, FloatArray]
+
+
+@dataclass(frozen=True, slots=True)
+class _Stretch:
+    """A stretch with its log Bayes factor over base parameters alone, the power left, and its ends, m."""
+
+    gain: float
+    left: float
+    low: float
+    high: float
+
+
 @dataclass(frozen=True, slots=True)
 class _Linear:
-    """Residual in noise levels (n,), base directions (n, p) with prior precision (p, p), curvature bins (n, K), rotation (n, 1)."""
+    """The linear problem in noise levels.
+
+    Attributes:
+        residual: (n,). base: how it moves with base parameters (n, p). precision: of their priors (p, p).
+        bins: how points move with the curvature of each bin (n, K). rotation: with the clamp (n, 1).
+        edges: of the bins, m. slices: rows of each photograph.
+    """
 
     residual: FloatArray
     base: FloatArray
@@ -47,36 +67,28 @@ def locate(problem: Problem, base: Fit, noise: float, correlation: float = 0.0) 
     length = problem.scene.length
     edges = np.linspace(0.0, length, _BINS + 1)
     linear = _linear(problem, base, noise, edges)
-    power = float(linear.residual @ linear.residual)
-    found: tuple[float, float, tuple[float, float]] | None = None
     looks = _BINS * (_BINS + 1) // 2 + 1
-    gain, left = _rotation(linear)
-    best = (gain, left, (0.0, 0.0))
-    found = _best_interval(linear)
-    if found[0] > best[0]:
-        best = found
-        for _ in range(_REFINED):
-            low, high = best[2]
-            if high - low > 2.5 * (edges[1] - edges[0]) or edges[1] - edges[0] < length / 300.0:
-                break
-            margin = edges[1] - edges[0]
-            edges = np.linspace(max(low - margin, 0.0), min(high + margin, length), 9)
-            finer = _best_interval(_linear(problem, base, noise, edges))
-            looks += 36
-            if finer[0] <= best[0]:
-                break
-            best = finer
-    gain, left, (low, high) = best
-    floor = float(linear.residual.size)
+    best = max(_rotation(linear), _best_interval(linear), key=lambda stretch: stretch.gain)
+    for _ in range(_REFINED):
+        width = float(edges[1] - edges[0])
+        if best.high - best.low > 2.5 * width or best.high == 0.0 or width < length / 300.0:
+            break
+        edges = np.linspace(max(best.low - width, 0.0), min(best.high + width, length), _FINER + 1)
+        finer = _best_interval(_linear(problem, base, noise, edges))
+        looks += _FINER * (_FINER + 1) // 2
+        if finer.gain <= best.gain:
+            break
+        best = finer
     known = float(np.clip(correlation, 0.0, 0.95))
-    p_value = float(min(1.0, looks * np.exp(-min(gain * (1.0 - known) / (1.0 + known), 700.0))))
-    regions = []
-    if p_value <= _SIGNIFICANT:
-        excess = max(power - floor, 1e-300)
-        share = float(np.clip((power - left) / excess, 0.0, 1.0))
-        regions.append(Region("arc_length", None, low / MILLIMETRE, high / MILLIMETRE, share, p_value))
-        regions += _by_photograph(problem, linear, excess)
-    return tuple(sorted(regions, key=lambda region: -region.share))
+    nats = best.gain * (1.0 - known) / (1.0 + known)
+    p_value = float(min(1.0, looks * np.exp(-min(nats, 700.0))))
+    if p_value > _SIGNIFICANT:
+        return ()
+    power = float(linear.residual @ linear.residual)
+    excess = max(power - linear.residual.size, 1e-300)
+    share = float(np.clip((power - best.left) / excess, 0.0, 1.0))
+    along = Region("arc_length", None, best.low / MILLIMETRE, best.high / MILLIMETRE, share, p_value)
+    return tuple(sorted((along, *_by_photograph(problem, linear, excess)), key=lambda region: -region.share))
 
 
 def _by_photograph(problem: Problem, linear: _Linear, excess: float) -> list[Region]:
@@ -103,7 +115,7 @@ def _linear(problem: Problem, base: Fit, noise: float, edges: FloatArray) -> _Li
     rotation = np.zeros((problem.size, 1))
     state = problem.state(base.coordinates, base.effects)
     lines = problem.forward.lines([(index, state) for index in range(len(problem.photographs))])
-    for photograph, line, rows, (across, along) in zip(
+    for photograph, line, rows, (across, _) in zip(
         problem.photographs, lines, problem.slices, problem.rows, strict=True
     ):
         tangent = np.stack([line.along_x[0], line.along_y[0]], axis=1)
@@ -140,71 +152,63 @@ def _moved(turned: FloatArray, place: FloatArray) -> FloatArray:
     return np.cumsum(np.concatenate((first, pieces)), axis=0)
 
 
-def _rotation(linear: _Linear) -> tuple[float, float]:
-    """Return the gain, nats, and the power left of a rotation at the clamp, the same in all photographs."""
-    size = float(np.sum(linear.rotation**2))
+def _rotation(linear: _Linear) -> _Stretch:
+    """Return how well one rotation at the clamp, the same in all photographs, does."""
+    column = linear.rotation[:, 0]
+    size = float(column @ column)
+    power = float(linear.residual @ linear.residual)
     if size <= 0.0:
-        return 0.0, float(linear.residual @ linear.residual)
-    best = (-np.inf, 0.0)
+        return _Stretch(-np.inf, power, 0.0, 0.0)
+    solve = np.linalg.solve
+    normal = linear.base.T @ linear.base + linear.precision
+    free = column - linear.base @ solve(normal, linear.base.T @ column)
+    target = float(free @ linear.residual)
+    found = []
     for width in _WIDTHS:
-        columns = np.concatenate((linear.base, linear.rotation * width / np.sqrt(size) * 10.0), axis=1)
-        best = max(best, _evidence(linear, columns, [(1, 1)]))
-    return best
+        prior = (10.0 * width) ** 2 / size
+        precision = float(column @ free) + 1.0 / prior
+        fall = 0.5 * target**2 / precision
+        found.append(_Stretch(fall - 0.5 * float(np.log(precision * prior)), power - 2.0 * fall, 0.0, 0.0))
+    return max(found, key=lambda stretch: stretch.gain)
 
 
-def _evidence(linear: _Linear, columns: FloatArray, _: object) -> tuple[float, float]:
-    """Return the log Bayes factor over base parameters alone, and the power left; the last columns have unit prior."""
-    extra = columns.shape[1] - linear.base.shape[1]
-    precision = np.eye(columns.shape[1])
-    size = linear.base.shape[1]
-    precision[:size, :size] = linear.precision
-    return _gain(linear, columns, precision, extra)
-
-
-def _gain(linear: _Linear, columns: FloatArray, precision: FloatArray, extra: int) -> tuple[float, float]:
-    size = columns.shape[1] - extra
-    normal = columns.T @ columns + precision
-    target = columns.T @ linear.residual
-    solution = np.linalg.solve(normal, target)
-    small = np.linalg.solve(normal[:size, :size], target[:size]) if size else np.zeros(0)
-    fall = 0.5 * (float(target @ solution) - float(target[:size] @ small))
-    occam = 0.5 * (np.linalg.slogdet(normal)[1] - (np.linalg.slogdet(normal[:size, :size])[1] if size else 0.0))
-    left = linear.residual - columns @ solution
-    return float(fall - occam), float(left @ left)
-
-
-def _best_interval(linear: _Linear) -> tuple[float, float, tuple[float, float]]:
-    """Return gain, power left and ends (m) of the best stretch; curvatures are free in every photograph."""
-    count = linear.bins.shape[1]
+def _best_interval(linear: _Linear) -> _Stretch:
+    """Return the best stretch; its curvatures are free in every photograph."""
     blocks = []
     for rows in linear.slices:
         bins, base, residual = linear.bins[rows], linear.base[rows], linear.residual[rows]
         blocks.append((bins.T @ bins, bins.T @ base, bins.T @ residual))
-    normal = linear.base.T @ linear.base + linear.precision
-    target = linear.base.T @ linear.residual
-    zero = 0.5 * float(target @ np.linalg.solve(normal, target)) if target.size else 0.0
-    zero_log = np.linalg.slogdet(normal)[1] if target.size else 0.0
-    power = float(linear.residual @ linear.residual)
-    typical = np.sqrt(max(float(np.mean([np.trace(block[0]) for block in blocks])) / count, 1e-300))
-    best = (-np.inf, power, (0.0, 0.0))
+    count = linear.bins.shape[1]
+    typical = max(float(np.mean([np.trace(gram) for gram, _, _ in blocks])) / count, 1e-300)
+    found = _Stretch(-np.inf, 0.0, 0.0, 0.0)
     for width in _WIDTHS:
-        prior = (width * 10.0 / typical) ** 2
+        prior = (10.0 * width) ** 2 / typical
         for first in range(count):
             for last in range(first, count):
-                inside = slice(first, last + 1)
-                schur, toward, fall, logs = normal.copy(), target.copy(), 0.0, 0.0
-                for gram, cross, along in blocks:
-                    own = gram[inside, inside] + np.eye(last + 1 - first) / prior
-                    solved = np.linalg.solve(own, np.column_stack((cross[inside], along[inside])))
-                    schur -= cross[inside].T @ solved[:, :-1]
-                    toward -= cross[inside].T @ solved[:, -1]
-                    fall += 0.5 * float(along[inside] @ solved[:, -1])
-                    logs += np.linalg.slogdet(own * prior)[1]
-                if target.size:
-                    fall += 0.5 * float(toward @ np.linalg.solve(schur, toward))
-                    logs += np.linalg.slogdet(schur)[1]
-                gain = fall - zero - 0.5 * (logs - zero_log)
-                if gain > best[0]:
-                    ends = float(linear.edges[first]), float(linear.edges[last + 1])
-                    best = (float(gain), power - 2.0 * fall, ends)
-    return best
+                gain, fall = _interval(linear, blocks, slice(first, last + 1), prior)
+                if gain > found.gain:
+                    power = float(linear.residual @ linear.residual)
+                    low, high = float(linear.edges[first]), float(linear.edges[last + 1])
+                    found = _Stretch(gain, power - 2.0 * fall, low, high)
+    return found
+
+
+def _interval(linear: _Linear, blocks: Sequence[_Block], inside: slice, prior: float) -> tuple[float, float]:
+    """Return the log Bayes factor of a stretch over base parameters alone, and by how much it lowers the cost, nats.
+
+    The normal matrix is an arrow, a block of curvatures for each photograph beside the shared base parameters.
+    """
+    normal = linear.base.T @ linear.base + linear.precision
+    target = linear.base.T @ linear.residual
+    schur, toward, fall, logs = normal.copy(), target.copy(), 0.0, 0.0
+    for gram, cross, along in blocks:
+        own = gram[inside, inside] + np.eye(inside.stop - inside.start) / prior
+        solved = np.linalg.solve(own, np.column_stack((cross[inside], along[inside])))
+        schur -= cross[inside].T @ solved[:, :-1]
+        toward -= cross[inside].T @ solved[:, -1]
+        fall += 0.5 * float(along[inside] @ solved[:, -1])
+        logs += float(np.linalg.slogdet(own * prior)[1])
+    if target.size:
+        fall += 0.5 * float(toward @ np.linalg.solve(schur, toward) - target @ np.linalg.solve(normal, target))
+        logs += float(np.linalg.slogdet(schur)[1] - np.linalg.slogdet(normal)[1])
+    return float(fall - 0.5 * logs), float(fall)

@@ -143,7 +143,8 @@ def _check(run: ShapeRun, length: float) -> None:
     early = max(3, int(np.searchsorted(np.cumsum(step), 0.1 * length)) + 1)
     rise = abs(float(np.mean(y[1:early]))), abs(float(np.mean(x[1:early])))
     if rise[0] > 2.5 * rise[1] and rise[0] > 0.01 * length:
-        raise _refusal(run, 1, "the shape leaves the clamp along y: x and y seem to be swapped", "x along the clamped tube, gravity along -y")
+        raise _refusal(run, 1, "the shape leaves the clamp along y: x and y seem to be swapped",
+                       "x along the clamped tube, gravity along -y")  # fmt: skip
     if x[early - 1] < 0.0 and abs(x[early - 1]) > 0.02 * length:
         raise _refusal(run, 1, "the shape leaves the clamp towards -x", "x along the clamped tube")
 

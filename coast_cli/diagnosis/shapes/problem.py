@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -83,7 +84,7 @@ class Problem:
             tubes={number: tubes[number].name for number in sorted(tubes)},
             alone=frozenset(photograph.tubes[0][0] for photograph in self.photographs if not photograph.is_pair),
             length=max(photograph.length for photograph in self.photographs),
-            weight=max(max(weights), 1e-12),
+            weight=max(*weights, 1e-12),
             pairs=any(photograph.is_pair for photograph in self.photographs),
         )
 
@@ -111,12 +112,12 @@ class Problem:
     def slices(self) -> tuple[slice, ...]:
         """Where each photograph's residuals stand."""
         ends = np.cumsum([0, *(int(across.sum() + along.sum()) for across, along in self.rows)])
-        return tuple(slice(int(low), int(high)) for low, high in zip(ends[:-1], ends[1:], strict=True))
+        return tuple(slice(int(low), int(high)) for low, high in pairwise(ends))
 
     @property
     def size(self) -> int:
         """Number of fitted residuals."""
-        return self.slices[-1].stop
+        return int(self.slices[-1].stop)
 
     def configured(self) -> FloatArray:
         """Return the base parameters as configured, in fit coordinates."""
