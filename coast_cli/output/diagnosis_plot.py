@@ -52,28 +52,34 @@ def picture(answer: DiagnosisAnswer, format: str) -> bytes:
     with rc_context({"svg.hashsalt": "coast", "font.size": 8.0, "axes.spines.top": False, "axes.spines.right": False}):
         columns = 2 if len(shown) in (2, 4) else max(min(len(shown), 3), 1)
         rows = -(-len(shown) // columns)
-        bars = 0.5 + 0.24 * min(len(found.where), _MOST_BARS) if found.where else 0.0
-        figure = drawing()(figsize=(3.6 * max(columns, 2), 3.4 * rows + bars + 0.4), layout="constrained")
-        if found.where and shown:
-            above, below = figure.subfigures(2, 1, height_ratios=(3.4 * rows, bars + 0.4))
-            _bars(answer, below.subplots())
-        else:
-            above = figure
-            if found.where:
-                _bars(answer, figure.subplots())
-        if shown:
-            panels = np.atleast_1d(above.subfigures(rows, columns, squeeze=False)).ravel()
-            for number, (panel, curve) in enumerate(zip(panels, shown, strict=False)):
-                upper, lower = panel.subplots(2, 1, sharex=isinstance(curve, Curve), height_ratios=(2, 1))
-                draw: Any = _run if isinstance(curve, Curve) else _shape
-                draw(curve, found, upper, lower)
-                upper.set_title(_title(curve, found))
-                if number == 0:
-                    upper.legend(frameon=False, fontsize=7)
-                lower.set_ylabel("recorded - model" if isinstance(curve, Curve) else "distance (mm)")
+        bars = 0.9 + 0.24 * min(len(found.where), _MOST_BARS) if found.where else 0.0
+        heights = [height for height in (3.4 * rows, bars) if height > 0.0]
+        figure = drawing()(figsize=(3.6 * max(columns, 2), sum(heights) or 1.0), layout="constrained")
+        places = list(figure.add_gridspec(max(len(heights), 1), 1, height_ratios=heights or [1.0]))
+        if found.where:
+            _bars(answer, figure.add_subplot(places[-1]))
+        for place_, curve in zip(places[0].subgridspec(max(rows, 1), columns), shown, strict=False):
+            inner = place_.subgridspec(2, 1, height_ratios=(2, 1))
+            upper = figure.add_subplot(inner[0])
+            lower = figure.add_subplot(inner[1], sharex=upper if isinstance(curve, Curve) else None)
+            draw: Any = _run if isinstance(curve, Curve) else _shape
+            draw(curve, found, upper, lower)
+            upper.set_title(_title(curve, found))
+            lower.set_ylabel("recorded - model" if isinstance(curve, Curve) else "distance (mm)")
+            if curve is shown[0]:
+                upper.legend(frameon=False, fontsize=7)
+        _settle(figure)
         stream = BytesIO()
         figure.savefig(stream, format=format, dpi=_DPI, metadata={"Date" if format == "svg" else "Software": None})
     return stream.getvalue()
+
+
+def _settle(figure: Any) -> None:  # noqa: ANN401
+    """Solve the layout once and round it: the solver's last digits change from call to call."""
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
+    for axes in figure.get_axes():
+        axes.set_position(np.round(axes.get_position().bounds, 6))
 
 
 def _spread(items: Sequence[Curve | ShapeCurve], most: int) -> list[Curve | ShapeCurve]:
@@ -101,6 +107,7 @@ def _run(curve: Curve, found: Diagnosis, upper: Any, lower: Any) -> None:  # noq
             upper.plot(drive, model, "-", lw=1.0, color=colour, label=words if column == 0 else None)
             lower.plot(drive, recorded - model, ".", ms=2.0, color=colour, alpha=0.7)
     upper.set_ylabel(label)
+    upper.tick_params(labelbottom=False)
     lower.axhspan(-2.0 * found.noise, 2.0 * found.noise, color="0.9", lw=0, zorder=0)
     lower.axhline(0.0, lw=0.5, color="black", zorder=1)
     lower.set_xlabel("stroke X1 (mm)" if run.stroke is not None else "tension (N)")
