@@ -219,17 +219,17 @@ def fit(posed: Posed, start: Mapping[str, float] | None = None) -> Fitted:
     reasons: list[tuple[Parameter, str]] = []
     while True:
         free = [parameter for parameter in posed.parameters if parameter.name not in held]
+        if not free:
+            return Fitted(posed, posed.white, (), np.zeros((0, 0)), tuple(reasons), converged=True)
         near = _solve(posed, free, at, held, posed.white, tolerance=ROUGH_TOLERANCE)
         start_here = posed.values(near.x, held)
         rough = _solve(posed, free, start_here, held, posed.white, robust=True, tolerance=ROUGH_TOLERANCE)
-        if free and not all(rough.seen):
+        if not all(rough.seen):
             given_up, reason = _given_up(free, rough)
             held[given_up.name] = at[given_up.name]
             reasons.append((given_up, reason))
             continue
         break
-    if not free:
-        return Fitted(posed, posed.white, (), np.zeros((0, 0)), tuple(reasons), converged=True)
     posed, weights = _second_pass(posed, posed.values(rough.x, held))
     fine = _coloured(posed, weights, _solve(posed, free, posed.values(rough.x, held), held, weights))
     return Fitted(

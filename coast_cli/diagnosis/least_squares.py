@@ -27,6 +27,7 @@ TOLERANCE = 1e-14
 MOST_EVALUATIONS = 5000
 POLISHING_STEPS = 30
 SHRINKING = 0.9
+PROFILE_HALVINGS = 12
 AT_BOUND = 1e-6
 UNSEEN = 1e-9
 
@@ -106,18 +107,19 @@ def least_squares(
     width = upper - lower
     margin = np.where(np.isfinite(width), 1e-10 * width, 0.0)
     begin = np.clip(np.asarray(start, dtype=np.float64), lower + margin, upper - margin)
-    solution = solve(
-        residual,
-        begin,
-        jac=jacobian if jacobian is not None else "3-point",
-        bounds=(lower, upper),
-        x_scale="jac" if scale is None else scale,
-        loss="soft_l1" if robust else "linear",
-        ftol=tolerance,
-        xtol=tolerance,
-        gtol=tolerance,
-        max_nfev=MOST_EVALUATIONS,
-    )
+    with np.errstate(over="ignore"):  # the trust region's secular equation may pass through infinity on its way
+        solution = solve(
+            residual,
+            begin,
+            jac=jacobian if jacobian is not None else "3-point",
+            bounds=(lower, upper),
+            x_scale="jac" if scale is None else scale,
+            loss="soft_l1" if robust else "linear",
+            ftol=tolerance,
+            xtol=tolerance,
+            gtol=tolerance,
+            max_nfev=MOST_EVALUATIONS,
+        )
     x, fun, gradient, cost = solution.x, solution.fun, np.asarray(solution.jac), float(solution.cost)
     if polish and not robust and solution.status > 0:
         x, fun, gradient = _polish(residual, jacobian or _differences(residual, lower, upper), x, lower, upper)
@@ -180,9 +182,12 @@ def _polish(
 
 def _differences(residual: Residual, lower: Floats, upper: Floats) -> Callable[[Floats], Floats]:
     """Return the Jacobian by central differences that stay inside the bounds."""
+    width = upper - lower
+    least = np.where(np.isfinite(width), 1e-4 * width, 0.0)
 
     def jacobian(x: Floats) -> Floats:
-        step = np.finfo(np.float64).eps ** (1.0 / 3.0) * np.where(x != 0.0, np.abs(x), 1.0)
+        size = np.maximum(np.abs(x), least)
+        step = np.finfo(np.float64).eps ** (1.0 / 3.0) * np.where(size > 0.0, size, 1.0)
         columns = []
         for place, size in enumerate(step):
             ahead, behind = x.copy(), x.copy()
@@ -237,7 +242,6 @@ def profile_interval(
     Returns:
         (low, high); a bound of the parameter where the cost does not reach the threshold before it.
     """
-    from scipy.optimize import brentq
     from scipy.stats import t
 
     degrees = max(len(fit.residual) - len(fit.x), 1)
@@ -273,11 +277,22 @@ def profile_interval(
                 break
             inner, outer = outer, float(np.clip(outer + side * step, lower[index], upper[index]))
             step *= 2.0
-        if not np.isfinite(outer) or excess(outer) < 0.0:
+        if not np.isfinite(outer) or outer == inner or excess(outer) < 0.0:
             ends.append(bound)
         else:
-            ends.append(float(brentq(excess, inner, outer, xtol=1e-4 * abs(outer - inner), rtol=1e-8)))
+            ends.append(_bisected(excess, inner, outer))
     return ends[0], ends[1]
+
+
+def _bisected(excess: Callable[[float], float], inside: float, outside: float) -> float:
+    """Return where the excess turns positive; halving stays safe where a refit jumps to another valley."""
+    for _ in range(PROFILE_HALVINGS):
+        middle = 0.5 * (inside + outside)
+        if excess(middle) < 0.0:
+            inside = middle
+        else:
+            outside = middle
+    return 0.5 * (inside + outside)
 
 
 def _cost(residuals: Floats, *, robust: bool) -> float:

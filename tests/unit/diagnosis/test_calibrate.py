@@ -220,3 +220,17 @@ def test_what_is_asked_wrongly(names, hold_out, words, config):
 def test_shapes_alone_are_refused(config):
     with pytest.raises(BadInput, match="no joint recording"):
         calibrate(config, Recordings(), ALL)
+
+
+def test_where_nothing_can_be_told_everything_is_held(config):
+    slack = replace(sweep(config, "a", 0.03), stroke=np.linspace(0.0, 1e-4, 80), response=np.zeros((80, 1)))
+    calibration = calibrate(config, recordings(slack), ["youngs_modulus_gpa", "notch_friction"])
+    assert [parameter.name for parameter, _ in calibration.whole.held] == ["notch_friction", "youngs_modulus_gpa"]
+    assert {row["status"] for row in calibration.rows()} == {"held"}
+
+
+@pytest.mark.parametrize("scale", [0.0, -5.0, 1e5])
+def test_responses_that_no_joint_gives_still_get_an_answer(config, scale):
+    run = sweep(config, "a", 0.03, release=True)
+    calibration = calibrate(config, recordings(replace(run, response=scale * run.response)), ALL)
+    assert all(np.isfinite(estimate.value) for estimate in calibration.whole.estimates)
