@@ -34,7 +34,7 @@ def check(
     documents = [load_config(config) for config in configs]
     designs = [build(document) for document in documents]
     rows = [row for design in designs for row in check_design(design)]
-    notes = tuple(note for design in designs for note in design.notes)
+    notes = tuple(note for design in designs for note in (*design.notes, *design.uncorrected_joint))
     answer = Answer("check", rows, provenance(*documents), notes)
     write_answer(answer, format, output or (), formats=FORMATS)
     return 0 if all(row["passed"] for row in rows) else 1

@@ -59,5 +59,5 @@ def stroke(
         from coast_cli.output.design_plot import plot_strokes
 
         plot_strokes(columns, plot)
-    answer = Answer("stroke", Columns(columns), provenance(document), (*design.notes, *notes))
+    answer = Answer("stroke", Columns(columns), provenance(document), (*design.notes, *design.uncorrected_joint, *notes))
     write_answer(answer, format, output or ())

@@ -57,9 +57,16 @@ class Design:
 
     @property
     def uncorrected(self) -> tuple[str, ...]:
-        """What to say where tubes are answered for and the joint's corrections have no part."""
+        """What to say where tubes are answered for as configured, without any correction."""
         ids = ", ".join(self.config.corrections)
-        return (f"the corrections {ids} act on the joint and are left out here.",) if ids else ()
+        return (f"the corrections {ids} are left out here.",) if ids else ()
+
+    @property
+    def uncorrected_joint(self) -> tuple[str, ...]:
+        """What to say where a joint is answered for with its own corrections alone."""
+        acting = {effect.id for effect in self.effects}
+        ids = ", ".join(name for name in self.config.corrections if name not in acting)
+        return (f"the corrections {ids} are of shapes and left out here.",) if ids else ()
 
     def tube(self, name: str) -> NotchedTube:
         """Return the tube of that name.

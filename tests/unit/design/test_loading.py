@@ -127,6 +127,15 @@ def test_coast_stroke_and_check_use_the_corrections(coast, reference_text, tmp_p
     assert inverted[0]["curvature_per_m"] == pytest.approx(40.0, abs=1e-9)
 
 
+def test_corrections_of_shapes_do_not_change_a_stroke_and_that_is_said(coast, reference, reference_text, tmp_path):
+    path = tmp_path / "corrected.toml"
+    path.write_text(reference_text + "\n[corrections.base_tilt]\nangle_deg = 1.0\n", encoding="utf-8")
+    words = ("--kappa", "10", "--x2", "40", "--format", "json")
+    shaped, plain = coast("stroke", path, *words), coast("stroke", reference, *words)
+    assert rows_of(shaped) == rows_of(plain)
+    assert "base_tilt are of shapes" in shaped.err
+
+
 def test_a_stroke_that_nothing_takes_up_is_refused(coast, reference_text, tmp_path):
     path = tmp_path / "corrected.toml"
     path.write_text(reference_text + "\n[corrections.gravity]\nshare = 0.5\n", encoding="utf-8")
