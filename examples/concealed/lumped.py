@@ -202,15 +202,21 @@ CLOSE: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "backlash": (("tendon_permanent_set", "sensor_lag"), ("capstan_hysteresis", "coulomb_friction")),
     "tendon_superelasticity": ((), ("tube_superelasticity",)),
     "tube_superelasticity": ((), ("tendon_superelasticity",)),
-    "tendon_creep": (("thermal_drift", "sensor_lag", "tendon_permanent_set"), ("coulomb_friction",)),
-    "tendon_permanent_set": (("thermal_drift", "tendon_creep"), ("capstan_hysteresis", "coulomb_friction", "backlash")),
+    "tendon_creep": (
+        ("thermal_drift", "sensor_lag", "tendon_permanent_set", "tendon_superelasticity"),
+        ("coulomb_friction",),
+    ),
+    "tendon_permanent_set": (
+        ("thermal_drift", "tendon_creep", "tendon_superelasticity"),
+        ("capstan_hysteresis", "coulomb_friction", "backlash"),
+    ),
     "snap_through": (("tube_superelasticity", "coulomb_friction"), ()),
     "precurvature": (("camera_offset", "tip_load", "bending_length_offset"), ()),
     "camera_offset": (("precurvature", "tip_load", "bending_length_offset"), ()),
     "tip_load": (("precurvature", "gravity", "camera_offset"), ()),
     "gravity": (("tip_load", "precurvature", "camera_offset"), ()),
     "bending_length_offset": (("camera_offset", "precurvature", "tip_load"), ()),
-    "thermal_drift": (("tendon_creep", "tendon_permanent_set"), ()),
+    "thermal_drift": (("tendon_creep", "tendon_permanent_set", "tendon_superelasticity"), ()),
     "sensor_lag": (("coulomb_friction", "capstan_hysteresis", "backlash", "tendon_creep"), ()),
 }
 EVIDENCE = 30.0
