@@ -186,10 +186,10 @@ def draw_robot(rng: np.random.Generator, *, wrist: bool = False) -> Robot:
         round(rng.uniform(45, 70), 2) * 1e9,
         round(rng.uniform(250, 450), 1) * mm,
     )
-    inner_od = round(0.9 * (od - 2 * wall - 0.0) * 0.8, 3)
-    return Robot(
-        outers, middles, joint, (inner_od * mm, round(0.6 * inner_od, 3) * mm), calibration=_calibration(rng, joint)
-    )
+    inner_od = round(0.72 * (od - 2 * wall), 3)
+    # The tendon runs through the inner tube.
+    bore = round(max(0.6 * inner_od, joint.tendon_radius * 2e3 + 0.012), 3)
+    return Robot(outers, middles, joint, (inner_od * mm, bore * mm), calibration=_calibration(rng, joint))
 
 
 def _draw_wrist(rng: np.random.Generator) -> Robot:

@@ -128,7 +128,7 @@ RESPONSE: dict[str, tuple[Map, Starts]] = {
     "coulomb_friction": (lambda d, k, p: follow(d, k, k - abs(p[0]) * d.top, k + abs(p[0]) * d.top), ((0.03,),)),
     "tube_superelasticity": (lambda d, k, p: k + abs(p[0]) * np.maximum(k - p[1] * d.top, 0), ((0.2, 0.6), (0.2, 0.4))),
     "tendon_superelasticity": (
-        lambda d, k, p: k + abs(p[0]) * np.maximum(k - p[1] * d.top / _relative_gain(d), 0),
+        lambda d, k, p: k - abs(p[0]) * np.maximum(k - p[1] * d.top / _relative_gain(d), 0),
         ((0.2, 0.6), (0.2, 0.4)),
     ),
     "notch_closure": (lambda d, k, p: k - abs(p[0]) * np.maximum(k - p[1] * d.top, 0), ((0.2, 0.7), (0.2, 0.5))),
@@ -200,8 +200,8 @@ CLOSE: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "capstan_hysteresis": (("tendon_permanent_set", "sensor_lag"), ("coulomb_friction", "backlash")),
     "coulomb_friction": (("tendon_permanent_set", "sensor_lag"), ("capstan_hysteresis", "backlash")),
     "backlash": (("tendon_permanent_set", "sensor_lag"), ("capstan_hysteresis", "coulomb_friction")),
-    "tendon_superelasticity": ((), ("tube_superelasticity",)),
-    "tube_superelasticity": ((), ("tendon_superelasticity",)),
+    "tendon_superelasticity": ((), ("notch_closure",)),
+    "notch_closure": ((), ("tendon_superelasticity",)),
     "tendon_creep": (
         ("thermal_drift", "sensor_lag", "tendon_permanent_set", "tendon_superelasticity"),
         ("coulomb_friction",),
