@@ -12,6 +12,7 @@ from coast_cli import __version__
 # Each command and where its function is; `coast --help` loads them all, so their modules import nothing heavy.
 COMMANDS = {
     "rank-pairs": "coast_cli.cli.rank_pairs:rank_pairs",
+    "explore": "coast_cli.cli.explore:explore",
     "stroke": "coast_cli.cli.stroke:stroke",
     "beam": "coast_cli.cli.beam:beam",
     "sensitivity": "coast_cli.cli.sensitivity:sensitivity",

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 BLOCK = 1024  # tubes solved at a time, so that their rows stay in the processor's cache
 _PAIRS = 256  # pairs merged at a time
+_TOGETHER = 1 << 18  # pairs times pieces at once where pieces are shared
+_WORTH_SHARING = 16  # pairs a group of patterns, from which on merging once is faster
 
 FIGURES = {
     "total_precurvature_rad": "rad",
@@ -90,6 +92,57 @@ def pair_figures_of(
     return {name: np.where(solved, column, np.nan) for name, column in columns.items()}
 
 
+def cross_figures(outer: BentTubes, middle: BentTubes) -> dict[str, FloatArray]:
+    """Return the columns of ``FIGURES`` of every outer with every middle tube, the middle tube slowest.
+
+    Tubes of one notch pattern share their pieces, which then are merged once.
+    """
+    shape = len(middle.length), len(outer.length)
+    second, first = (index.ravel() for index in np.indices(shape))
+    groups = [_patterns(tubes.length) for tubes in (outer, middle)]
+    if len(groups[0]) * len(groups[1]) * _WORTH_SHARING > first.size:
+        return pair_figures_of(outer, middle, (first, second))
+    columns = {name: np.empty(shape) for name in FIGURES}
+    for ones in groups[0]:
+        for twos in groups[1]:
+            _merge_alike(outer, middle, ones, twos, columns)
+    columns["rigidity_ratio_mean"] = outer.rigidity_mean / middle.rigidity_mean[:, None]
+    columns["rigidity_ratio_series"] = outer.rigidity_series / middle.rigidity_series[:, None]
+    solved = outer.converged & middle.converged[:, None]
+    return {name: np.where(solved, column, np.nan).ravel() for name, column in columns.items()}
+
+
+def _patterns(length: FloatArray) -> list[NDArray[np.int64]]:
+    """Return rows of equal pieces, by index, in groups."""
+    group = np.unique(length, axis=0, return_inverse=True)[1].ravel()
+    order = np.argsort(group, kind="stable")
+    return np.split(order, np.flatnonzero(np.diff(group[order])) + 1)
+
+
+def _merge_alike(
+    outer: BentTubes,
+    middle: BentTubes,
+    ones: NDArray[np.int64],
+    twos: NDArray[np.int64],
+    columns: dict[str, FloatArray],
+) -> None:
+    """Integrate over pairs whose outer tubes share one pattern and whose middle tubes share another."""
+    length, one, two = (table[0] for table in _common_pieces(outer.length[ones[:1]], middle.length[twos[:1]]))
+    there = length > 0.0
+    length, one, two = length[there], one[there], two[there]
+    stiff, bent_by = outer.rigidity[np.ix_(ones, one)], outer.bend[np.ix_(ones, one)]
+    step = max(1, _TOGETHER // (ones.size * length.size))
+    for start in range(0, twos.size, step):
+        some = twos[start : start + step]
+        rigidity = stiff + middle.rigidity[np.ix_(some, two)][:, None, :]
+        turn = (bent_by + middle.bend[np.ix_(some, two)][:, None, :]) / rigidity
+        here = np.ix_(some, ones)
+        columns["signed_precurvature_rad"][here] = turn @ length
+        columns["total_precurvature_rad"][here] = np.abs(turn, out=turn) @ length
+        columns["total_rigidity_mean_n_m2"][here] = rigidity @ length / length.sum()
+        columns["total_rigidity_series_n_m2"][here] = length.sum() / (np.reciprocal(rigidity, out=rigidity) @ length)
+
+
 def _merge(
     outer: BentTubes,
     middle: BentTubes,
@@ -98,18 +151,8 @@ def _merge(
     columns: dict[str, FloatArray],
 ) -> None:
     """Integrate over the merged pieces of a few pairs."""
-    lengths = (outer.length[first], middle.length[second])
-    ends = [np.cumsum(length, axis=1) for length in lengths]
-    overlap = np.minimum(ends[0][:, -1], ends[1][:, -1])
-    merged = np.concatenate(ends, axis=1)
-    order = np.argsort(merged, axis=1, kind="stable")  # two rising runs, which a stable sort merges
-    nodes = np.minimum(np.take_along_axis(merged, order, axis=1), overlap[:, None])
-    length = np.diff(nodes, axis=1, prepend=0.0)
-    passed = np.cumsum(order < ends[0].shape[1], axis=1)
-    own = passed - (order < ends[0].shape[1])  # pieces of the outer tube that end before this one begins
-    other = np.arange(order.shape[1]) - own
-    one = np.minimum(own, ends[0].shape[1] - 1)
-    two = np.minimum(other, ends[1].shape[1] - 1)
+    length, one, two = _common_pieces(outer.length[first], middle.length[second])
+    overlap = length.sum(axis=1)
     stiff = (
         np.take_along_axis(outer.rigidity[first], one, axis=1),
         np.take_along_axis(middle.rigidity[second], two, axis=1),
@@ -124,6 +167,26 @@ def _merge(
     columns["total_precurvature_rad"][:] = np.abs(turn, out=turn).sum(axis=1)
     columns["total_rigidity_mean_n_m2"][:] = (rigidity * length).sum(axis=1) / overlap
     columns["total_rigidity_series_n_m2"][:] = overlap / (length / rigidity).sum(axis=1)
+
+
+def _common_pieces(
+    outer: FloatArray, middle: FloatArray
+) -> tuple[FloatArray, NDArray[np.int64], NDArray[np.int64]]:
+    """Return the lengths of the merged pieces of each pair (m), and which piece of either tube each lies in.
+
+    Args:
+        outer, middle: lengths of the pieces of each tube, shape (pairs, pieces); merged ones past the overlap are 0 long.
+    """
+    ends = [np.cumsum(length, axis=1) for length in (outer, middle)]
+    overlap = np.minimum(ends[0][:, -1], ends[1][:, -1])
+    merged = np.concatenate(ends, axis=1)
+    order = np.argsort(merged, axis=1, kind="stable")  # two rising runs, which a stable sort merges
+    nodes = np.minimum(np.take_along_axis(merged, order, axis=1), overlap[:, None])
+    length = np.diff(nodes, axis=1, prepend=0.0)
+    of_outer = order < ends[0].shape[1]
+    one = np.cumsum(of_outer, axis=1) - of_outer  # pieces of the outer tube that end before this one begins
+    two = np.arange(order.shape[1]) - one
+    return length, np.minimum(one, outer.shape[1] - 1), np.minimum(two, middle.shape[1] - 1)
 
 
 def point_figures(

@@ -67,37 +67,37 @@ class TubePopulation:
         return np.asarray(np.all(notches, axis=1) & wall & (self.count > 0))
 
     @cached_property
+    def rigidities(self) -> tuple[FloatArray, FloatArray]:
+        """Flexural rigidity of the ring, shape (m, 1), and of each cut with its end effect, shape of ``depth``; N m^2."""
+        modulus = self.youngs_modulus[:, None]
+        ring = full_section(self.outer_radius, self.inner_radius).second_moment[:, None]
+        return modulus * ring, modulus * self.notch.second_moment * self.cut / (self.cut + self.end_length)
+
+    @cached_property
     def pieces(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Length (m), rigidity (N m^2) and mass per length (kg/m) of the 2n pieces from the clamp, shape (m, 2n)."""
         most = int(self.count.max())
         there = np.arange(most) < self.count[:, None]
-        ring = full_section(self.outer_radius, self.inner_radius)
-        softened = self.notch.second_moment * self.cut / (self.cut + self.end_length)
-        shape = (self.size, most, 2)
-        length, rigidity, weight = (np.empty(shape) for _ in range(3))
+        length, rigidity, weight = (np.empty((self.size, most, 2)) for _ in range(3))
         length[..., 0], length[..., 1] = np.where(there, self.uncut, 0.0), np.where(there, self.cut, 0.0)
-        rigidity[..., 0], rigidity[..., 1] = ring.second_moment[:, None], softened
+        rigidity[..., 0], rigidity[..., 1] = self.rigidities
+        ring = full_section(self.outer_radius, self.inner_radius)
         weight[..., 0], weight[..., 1] = ring.area[:, None], self.notch.area
-        rigidity *= self.youngs_modulus[:, None, None]
         weight *= self.density[:, None, None]
-        return tuple(column.reshape(self.size, 2 * most) for column in (length, rigidity, weight))  # type: ignore[return-value]
-
-    @cached_property
-    def length(self) -> FloatArray:
-        """Notched length, m, shape (m,)."""
-        return np.asarray(self.pieces[0].sum(axis=1))
+        shape = (self.size, 2 * most)
+        return length.reshape(shape), rigidity.reshape(shape), weight.reshape(shape)
 
     @cached_property
     def rigidity_mean(self) -> FloatArray:
         """Flexural rigidity averaged along each tube, N m^2."""
-        length, rigidity, _ = self.pieces
-        return np.asarray((length * rigidity).sum(axis=1) / self.length)
+        ring, cut = self.rigidities
+        return np.asarray((self.uncut * ring + self.cut * cut).sum(axis=1) / (self.uncut + self.cut).sum(axis=1))
 
     @cached_property
     def rigidity_series(self) -> FloatArray:
         """Length over summed compliance of each tube, N m^2."""
-        length, rigidity, _ = self.pieces
-        return np.asarray(self.length / (length / rigidity).sum(axis=1))
+        ring, cut = self.rigidities
+        return np.asarray((self.uncut + self.cut).sum(axis=1) / (self.uncut / ring + self.cut / cut).sum(axis=1))
 
 
 def population(tubes: Sequence[NotchedTube]) -> TubePopulation:

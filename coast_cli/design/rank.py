@@ -127,7 +127,8 @@ def scores_of(costs: FloatArray, weights: Sequence[float]) -> FloatArray:
     """Return the score of each pair, infinite where its costs are NaN.
 
     Args:
-        costs: shape (pairs, 3), or (pairs, 3, m) for m benches that are each scaled by themselves.
+        costs: shape (pairs, k), or (pairs, k, m) for m benches that are each scaled by themselves.
+        weights: of the k costs.
     """
     known = np.isfinite(costs)
     low = np.where(known, costs, np.inf).min(axis=0)

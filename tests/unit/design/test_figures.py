@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from coast_cli.design.figures import bent, pair_figures_of, point_figures, web_strain
+from coast_cli.design.figures import bent, cross_figures, pair_figures_of, point_figures, web_strain
 from coast_cli.design.population import TubePopulation, population
 from coast_cli.mechanics.joint import Joint, stroke
 from coast_cli.mechanics.pair import pair_figures
@@ -69,6 +69,19 @@ def test_tubes_of_different_patterns_and_counts(design):
     columns = pair_figures_of(solved["outer"], solved["middle"], (every, every[::-1]))
     for row in range(5):
         check(tubes["outer"][row], tubes["middle"][4 - row], columns, row, design.gravity)
+
+
+def test_every_pair_of_two_benches_is_that_pair_alone(design):
+    """Enough tubes of few patterns that their pieces are merged once a group of patterns."""
+    rows = np.arange(40) % 4
+    outer, middle = population(design.outer).picked(rows), population(design.middle).picked(rows % 3)
+    cut = np.where(np.arange(40)[:, None] < 20, 0.9, 1.0) * outer.cut
+    outer = replace(outer, depth=outer.depth * np.linspace(0.98, 1.0, 40)[:, None], cut=cut)
+    solved = bent(outer, design.gravity), bent(middle, design.gravity)
+    second, first = (index.ravel() for index in np.indices((40, 40)))
+    one_by_one, together = pair_figures_of(*solved, (first, second)), cross_figures(*solved)
+    for name, column in one_by_one.items():
+        np.testing.assert_allclose(together[name], column, rtol=1e-12, atol=1e-15)
 
 
 def test_a_quarter_roll_puts_the_natural_curvature_across(design):

@@ -1,0 +1,69 @@
+"""``coast explore``: the best pairs of a whole design space."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from coast_cli.cli.options import ConfigArgument, FormatOption, OutputOption, PlotOption
+
+
+def explore(
+    config: ConfigArgument,
+    *,
+    every: Annotated[
+        Path | None, typer.Option("--all", metavar="FILE.csv", help="stream every pair here; a rerun resumes")
+    ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace the file of --all")] = False,
+    jobs: Annotated[int, typer.Option(min=1, max=1024, help="processes on this machine")] = 1,
+    cluster: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="of a dask scheduler, tcp://HOST:PORT, instead of --jobs")
+    ] = None,
+    top: Annotated[int | None, typer.Option(min=1, help="print only so many of the front, by score")] = None,
+    plot: PlotOption = None,
+    format: FormatOption = None,
+    output: OutputOption = None,
+) -> None:
+    """Pair every outer with every middle tube of the [explore] ranges and print the Pareto front.
+
+    The front is refined by new pairs round it. Only pairs that pass [checks] are on it. The answer is the same bytes
+    with any number of jobs, and on a cluster.
+    """
+    from contextlib import closing, nullcontext
+
+    from coast_cli.design.exploration import Beginning, steps
+    from coast_cli.design.exploration import explore as run
+    from coast_cli.design.work import workers
+    from coast_cli.errors import UsageError
+    from coast_cli.output.answer import Answer
+    from coast_cli.output.progress import progress
+    from coast_cli.output.provenance import provenance
+    from coast_cli.output.stream import CsvStream
+    from coast_cli.output.write import write_answer
+    from coast_cli.spec.load import load_config_text, read_text
+
+    if cluster is not None and jobs > 1:
+        raise UsageError("give either --jobs or --cluster.")
+    text = read_text(config)
+    document = load_config_text(text, str(config))
+    total = steps(document, text)
+    origin = provenance(document, seed=None if document.explore is None else document.explore.seed)
+    stream = None if every is None else CsvStream(every, repr(origin), overwrite=overwrite)
+    with nullcontext() if stream is None else closing(stream):
+        beginning = Beginning() if stream is None else Beginning(stream.blocks, stream.state)
+        with workers(jobs, cluster) as executor, progress("blocks", total, beginning.blocks) as advance:
+            rows, notes = run(
+                document, text, executor=executor, beginning=beginning,
+                save=None if stream is None else stream.write, advance=advance,
+            )  # fmt: skip
+        if stream is not None:
+            stream.finish()
+    if plot is not None:
+        from coast_cli.design.rank import rank
+        from coast_cli.output.design_plot import plot_front
+
+        rigidity = "mean" if document.explore is None else document.explore.rigidity
+        plot_front(rows, rank(document).columns, rigidity, plot)
+    write_answer(Answer("explore", rows[:top], origin, notes), format, output or ())

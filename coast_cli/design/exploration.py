@@ -1,0 +1,160 @@
+"""A whole exploration: its blocks in order, the refinements of the front, and the front as rows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from concurrent.futures import Executor
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from coast_cli.design.explore import (
+    CHUNK,
+    Block,
+    Columns,
+    costs_of,
+    curvature_sources,
+    explore_block,
+    joint_pair_figures,
+    refine,
+    tasks,
+)
+from coast_cli.design.figures import FIGURES, POINT_FIGURES
+from coast_cli.design.front import Front
+from coast_cli.design.rank import scores_of
+from coast_cli.design.space import KEYS
+from coast_cli.design.work import in_order
+from coast_cli.spec.config import Config
+
+Row = dict[str, Any]
+Save = Callable[[Columns, Mapping[str, Any]], None]
+_CURVATURE_NOTE = (
+    "natural curvature is that of the depth alone, linear between the measured samples; what cut, uncut and diameters do "
+    "to it was not measured."
+)
+
+
+@dataclass(frozen=True)
+class Beginning:
+    """What an earlier, interrupted run has done: its blocks, and the state it saved with the last."""
+
+    blocks: int = 0
+    state: Mapping[str, Any] = field(default_factory=dict)
+
+
+def explore(
+    config: Config,
+    text: str,
+    *,
+    executor: tuple[Executor | None, int],
+    beginning: Beginning,
+    save: Save | None,
+    advance: Callable[[], None],
+    chunk: int = CHUNK,
+) -> tuple[list[Row], tuple[str, ...]]:
+    """Return the front as rows, best score first, and notes.
+
+    Args:
+        config, text: the configuration and what it was read from, which workers read anew.
+        executor: from ``work.workers``. save: takes the pairs of each block and the state that the next run must know.
+        chunk: tubes of a role in one block. advance: called after every block and refinement.
+
+    Raises:
+        BadInput: no tube of the ranges can be made, or no pair of them goes together.
+    """
+    rounds = 0 if config.explore is None else config.explore.refinements
+    blocks, front, counts = tasks(text, config.source, chunk), Front(), {"pairs": 0, "impossible": 0, "passing": 0}
+    if beginning.blocks:
+        front, counts = _restored(beginning.state)
+    for block in in_order(*executor, explore_block, blocks[beginning.blocks :]):
+        _count(block, counts)
+        front.add(block.costs, block.front)
+        if save is not None:
+            save(block.columns, _saved(front, counts))
+        advance()
+    if counts["pairs"] == 0:
+        message = "the ranges hold no pair that can be made and assembled: walls, notch depths and nesting rule out all"
+        raise config.refuse(("explore",), message)
+    sampled = front.size
+    tried = {"pairs": 0, "impossible": 0, "passing": 0}
+    for number in range(1, rounds + 1):
+        found = refine(text, config.source, front, number)
+        if found is not None:
+            _count(found, tried)
+            front.add(found.costs, found.front)
+        advance()
+    return _rows(config, text, front), _notes(config, text, front, (counts, tried, sampled))
+
+
+def steps(config: Config, text: str) -> int:
+    """Return how many blocks and refinements there are."""
+    return len(tasks(text, config.source)) + (0 if config.explore is None else config.explore.refinements)
+
+
+def _count(block: Block, counts: dict[str, int]) -> None:
+    pairs = next((len(column) for column in block.columns.values()), 0)
+    counts["pairs"] += pairs
+    counts["impossible"] += block.impossible
+    counts["passing"] += int(np.count_nonzero(block.columns["passes"])) if pairs else 0
+
+
+def _saved(front: Front, counts: Mapping[str, int]) -> dict[str, Any]:
+    costs = [] if front.costs is None else front.costs.tolist()
+    return {"counts": dict(counts), "costs": costs, "columns": {k: v.tolist() for k, v in front.columns.items()}}
+
+
+def _restored(state: Mapping[str, Any]) -> tuple[Front, dict[str, int]]:
+    known = {name: np.array(values, dtype=float) for name, values in state["columns"].items()}
+    front = Front(np.array(state["costs"], dtype=float), known) if state["costs"] else Front()
+    return front, dict(state["counts"])
+
+
+def _rows(config: Config, text: str, front: Front) -> list[Row]:
+    if front.costs is None or front.size == 0:
+        return []
+    score = scores_of(front.costs, [1.0] * front.costs.shape[1])
+    order = np.lexsort((*front.costs.T, score))
+    columns = {name: values[order] for name, values in front.columns.items() if not name.startswith("share_")}
+    named: dict[str, Any] = {"pair": [f"E{number}" for number in range(1, front.size + 1)]}
+    for role in ("outer", "middle"):
+        for key in KEYS:
+            values = columns[f"{role}_{key}"]
+            named[f"{role}_{key}"] = values.astype(int).tolist() if key == "count" else values.tolist()
+    named["natural_curvature"] = curvature_sources(text, config.source, columns).tolist()
+    for name in (*FIGURES, *POINT_FIGURES):
+        named[name] = columns[name].tolist() if name in columns else [None] * front.size
+    named["score"] = score[order].tolist()
+    named["dominates_joint_pair"] = _dominating(config, text, front.costs[order])
+    return [dict(zip(named, values, strict=True)) for values in zip(*named.values(), strict=True)]
+
+
+def _dominating(config: Config, text: str, costs: Any) -> list[bool | None]:  # noqa: ANN401
+    known = joint_pair_figures(text, config.source)
+    if known is None:
+        return [None] * len(costs)
+    own = costs_of(text, config.source, known[1])[0]
+    better = np.all(costs <= own, axis=1) & np.any(costs < own, axis=1)
+    return [bool(value) for value in better]
+
+
+def _notes(
+    config: Config, text: str, front: Front, counted: tuple[Mapping[str, int], Mapping[str, int], int]
+) -> tuple[str, ...]:
+    counts, tried, sampled = counted
+    solved = f"{counts['pairs']} pairs solved, {counts['passing']} of them pass the checks"
+    notes = [
+        f"{solved}; {counts['impossible']} more cannot be made or assembled.",
+        f"front: {sampled} pairs as sampled, {front.size} after {tried['pairs']} more were tried round it.",
+        _CURVATURE_NOTE,
+    ]
+    known = joint_pair_figures(text, config.source)
+    if known is not None and front.costs is not None:
+        count = sum(bool(value) for value in _dominating(config, text, front.costs))
+        objectives = ", ".join(config.explore.objectives) if config.explore else ""
+        notes.append(
+            f"{count} pairs of the front are better than {known[0]} in all of {objectives}."
+            if count
+            else f"no pair of these ranges is better than {known[0]} in all of {objectives}."
+        )
+    return tuple(notes)

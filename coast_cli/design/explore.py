@@ -1,0 +1,268 @@
+"""The design space explored: every outer with every middle tube, block by block, then refined round its front.
+
+A block is a function of the configuration's text and its number alone, so any process on any machine can do it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coast_cli.design.figures import BentTubes, bent, cross_figures, pair_figures_of
+from coast_cli.design.front import Front
+from coast_cli.design.limits import assembles, at_the_point, limits
+from coast_cli.design.population import TubePopulation
+from coast_cli.design.space import Space, space
+from coast_cli.errors import NotConverged
+from coast_cli.mechanics.section import FloatArray
+from coast_cli.spec.build import Design, build
+from coast_cli.spec.config import Config
+from coast_cli.spec.explore import Explore
+from coast_cli.spec.load import load_config_text
+from coast_cli.spec.tubes import Role
+
+CHUNK = 512  # tubes of a role in one block: a quarter of a million pairs at most
+_PARENTS, _CHILDREN = 128, 16  # of the front in one refinement, and the pairs tried round each
+_FIRST_BOX, _SHRINKING = 0.25, 0.5  # width of the box as a share of each range, and its factor from round to round
+ROLES: tuple[Role, ...] = ("outer", "middle")
+Columns = dict[str, NDArray[Any]]
+_FIGURE_OF = {
+    "total_precurvature": "total_precurvature_rad",
+    "rigidity_ratio": "rigidity_ratio_{}",
+    "total_rigidity": "total_rigidity_{}_n_m2",
+    "stroke": "stroke_mm",
+    "tendon_strain": "tendon_strain",
+    "web_strain": "web_strain",
+    "notch_closure": "closure_curvature_per_m",
+}
+
+
+@dataclass(frozen=True)
+class Task:
+    """One block of pairs: the configuration as text, its file's name, tubes in a chunk, and which chunks meet."""
+
+    text: str
+    name: str
+    size: int
+    outer: int
+    middle: int
+
+
+@dataclass(frozen=True)
+class Block:
+    """All pairs of one block in order, and its part of the front.
+
+    Attributes:
+        columns: of every pair that can be assembled; the number of each tube, its varied keys, figures, ``passes``.
+        costs, front: objectives of the passing pairs that no other of the block beats, and what is known of them.
+        impossible: pairs that cannot be made or assembled, or whose beams were not solved.
+    """
+
+    columns: Columns
+    costs: FloatArray
+    front: Columns
+    impossible: int
+
+
+def tasks(text: str, name: str, size: int = CHUNK) -> list[Task]:
+    """Return the blocks of a configuration in their order."""
+    found = _study(text, name)
+    counts = [-(-len(found.shares(role)) // size) for role in ROLES]
+    return [Task(text, name, size, one, two) for one in range(counts[0]) for two in range(counts[1])]
+
+
+def explore_block(task: Task) -> Block:
+    """Return the figures of one block."""
+    study = _study(task.text, task.name)
+    outer, middle = study.chunk("outer", task.outer, task.size), study.chunk("middle", task.middle, task.size)
+    if outer.rows.size == 0 or middle.rows.size == 0:
+        return Block({}, np.zeros((0, 1)), {}, outer.size * middle.size)
+    second, first = (index.ravel() for index in np.indices((middle.rows.size, outer.rows.size)))
+    figures = cross_figures(outer.bent, middle.bent)
+    shares = np.concatenate((outer.shares[first], middle.shares[second]), axis=1)
+    numbers = {"outer": outer.rows[first] + 1, "middle": middle.rows[second] + 1}
+    tubes = outer.tubes.picked(first), middle.tubes.picked(second)
+    values = {f"outer_{key}": column[first] for key, column in outer.values.items()}
+    values |= {f"middle_{key}": column[second] for key, column in middle.values.items()}
+    return study.block(numbers, values, shares, tubes, figures, outer.size * middle.size)
+
+
+def refine(text: str, name: str, front: Front, round_number: int) -> Block | None:
+    """Return pairs tried in boxes round the front, half as wide in each round; None where nothing is to refine."""
+    study = _study(text, name)
+    axes = study.space.outer.axes + study.space.middle.axes
+    if front.size == 0:
+        return None
+    from scipy.stats import qmc
+
+    order = np.lexsort((front.costs if front.costs is not None else np.zeros((0, 1))).T)
+    parents = order[np.linspace(0, order.size - 1, min(order.size, _PARENTS)).round().astype(int)]
+    centre = np.stack([front.columns[f"share_{axis}"][parents] for axis in range(axes)], axis=1).astype(float)
+    seed = study.space.explore.seed + 1000 * round_number
+    moves = qmc.Sobol(axes, seed=seed).random(_PARENTS * _CHILDREN)[: len(parents) * _CHILDREN] - 0.5
+    width = _FIRST_BOX * _SHRINKING ** (round_number - 1)
+    shares = np.clip(np.repeat(centre, _CHILDREN, axis=0) + width * moves, 0.0, 1.0)
+    return study.pairs(shares)
+
+
+class _Study:
+    """A configuration ready to be explored; a process keeps the last few it met."""
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+        self.design: Design = build(config)
+        self.space: Space = space(config)
+        self.limits = limits(config)
+        self._shares: dict[Role, FloatArray] = {}
+        self._chunks: dict[Role, tuple[tuple[int, int], _Chunk]] = {}
+
+    def shares(self, role: Role) -> FloatArray:
+        """Return the shares of every sampled tube of a role."""
+        if role not in self._shares:
+            part, explore = self.space.role(role), self.space.explore
+            sampled = explore.sampling == "sobol" and part.axes > 0
+            self._shares[role] = _sobol(part.axes, explore, role) if sampled else part.grid()
+        return self._shares[role]
+
+    def chunk(self, role: Role, number: int, size: int) -> _Chunk:
+        """Return one chunk of a role, solved; the last one of each role is kept."""
+        kept = self._chunks.get(role)
+        if kept is None or kept[0] != (number, size):
+            rows = slice(number * size, (number + 1) * size)
+            kept = (number, size), self._solve(role, self.shares(role)[rows], number * size)
+            self._chunks[role] = kept
+        return kept[1]
+
+    def _solve(self, role: Role, shares: FloatArray, first: int) -> _Chunk:
+        part = self.space.role(role)
+        values = part.values(shares)
+        tubes = part.tubes(values)
+        rows = np.flatnonzero(tubes.possible)
+        tubes, values = tubes.picked(rows), {key: column[rows] for key, column in values.items()}
+        solved = bent(tubes, self.design.gravity) if rows.size else None
+        return _Chunk(len(shares), first + rows, shares[rows], values, tubes, solved)
+
+    def pairs(self, shares: FloatArray) -> Block:
+        """Return the figures of pairs row by row; shares of the outer and then of the middle tube."""
+        parts = shares[:, : self.space.outer.axes], shares[:, self.space.outer.axes :]
+        values = self.space.outer.values(parts[0]), self.space.middle.values(parts[1])
+        tubes = self.space.outer.tubes(values[0]), self.space.middle.tubes(values[1])
+        rows = np.flatnonzero(tubes[0].possible & tubes[1].possible)
+        tubes = tubes[0].picked(rows), tubes[1].picked(rows)
+        every = np.arange(rows.size)
+        if rows.size == 0:
+            return Block({}, np.zeros((0, 1)), {}, len(shares))
+        solved = bent(tubes[0], self.design.gravity), bent(tubes[1], self.design.gravity)
+        figures = pair_figures_of(*solved, (every, every))
+        named = {f"outer_{key}": column[rows] for key, column in values[0].items()}
+        named |= {f"middle_{key}": column[rows] for key, column in values[1].items()}
+        numbers = {"outer": np.zeros(rows.size, dtype=np.int64), "middle": np.zeros(rows.size, dtype=np.int64)}
+        return self.block(numbers, named, shares[rows], tubes, figures, len(shares))
+
+    def block(
+        self,
+        numbers: Columns,
+        values: Mapping[str, FloatArray],
+        shares: FloatArray,
+        tubes: tuple[TubePopulation, TubePopulation],
+        figures: dict[str, FloatArray],
+        asked: int,
+    ) -> Block:
+        """Return a block of pairs whose tubes are known: held to the limits, and its own front found."""
+        figures = figures | at_the_point(self.design, *tubes)
+        good = assembles(self.config, *tubes) & np.isfinite(figures["total_precurvature_rad"])
+        passes = np.logical_and.reduce([good, *(limit.holds(figures) for limit in self.limits)])
+        varied = {
+            f"{role}_{key}": values[f"{role}_{key}"]
+            for role in ROLES
+            for key in (*self.space.role(role).ranges, *(("count",) if self.space.role(role).tube.length_mm else ()))
+        }
+        table: Columns = {name: column[good] for name, column in {**numbers, **varied, **figures}.items()}
+        table["passes"] = passes[good]
+        front = Front()
+        known: Columns = {**values, **figures}
+        known |= {f"share_{axis}": column for axis, column in enumerate(shares.T)}
+        rows = np.flatnonzero(passes)
+        costs = self.costs({name: column[rows] for name, column in figures.items()})
+        front.add(costs, {name: np.asarray(column)[rows] for name, column in known.items()})
+        best = np.zeros((0, costs.shape[1])) if front.costs is None else front.costs
+        return Block(table, best, front.columns, asked - int(np.count_nonzero(good)))
+
+    def costs(self, figures: Mapping[str, FloatArray]) -> FloatArray:
+        """Return what each objective counts, shape (pairs, objectives); smaller is better."""
+        explore = self.space.explore
+        columns = []
+        for objective in explore.objectives:
+            values = figures[_FIGURE_OF[objective].format(explore.rigidity)]
+            if objective == "rigidity_ratio":
+                values = np.abs(np.log(values))
+            columns.append(-values if objective == "notch_closure" else values)
+        return np.stack(columns, axis=1)
+
+
+@dataclass(frozen=True)
+class _Chunk:
+    """Tubes of one role that can be made: rows in the whole sample, shares, values in mm, and solved.
+
+    Attributes:
+        size: tubes asked for.
+    """
+
+    size: int
+    rows: NDArray[np.int64]
+    shares: FloatArray
+    values: dict[str, FloatArray]
+    tubes: TubePopulation
+    solved: BentTubes | None
+
+    @property
+    def bent(self) -> BentTubes:
+        """The solved tubes; asked for only where there are any."""
+        if self.solved is None:
+            raise NotConverged("no tube of this chunk can be made.")
+        return self.solved
+
+
+def _sobol(axes: int, explore: Explore, role: Role) -> FloatArray:
+    from scipy.stats import qmc
+
+    sequence = qmc.Sobol(axes, seed=explore.seed + (0 if role == "outer" else 500))
+    whole: FloatArray = sequence.random_base2((explore.tubes - 1).bit_length())
+    return whole[: explore.tubes]
+
+
+@lru_cache(maxsize=2)
+def _study(text: str, name: str) -> _Study:
+    return _Study(load_config_text(text, name))
+
+
+def costs_of(text: str, name: str, figures: Mapping[str, FloatArray]) -> FloatArray:
+    """Return the objectives of pairs from their figures; smaller is better."""
+    return _study(text, name).costs(figures)
+
+
+def joint_pair_figures(text: str, name: str) -> tuple[str, dict[str, FloatArray]] | None:
+    """Return the configuration's own pair and its figures, or None where it names none of two tubes."""
+    study = _study(text, name)
+    pair = study.design.joint_pair
+    if pair is None or "/" not in pair:
+        return None
+    from coast_cli.design.population import population
+
+    outer, middle = (population([study.design.tube(tube)]) for tube in pair.split("/"))
+    one = np.zeros(1, dtype=np.int64)
+    solved = bent(outer, study.design.gravity), bent(middle, study.design.gravity)
+    return pair, pair_figures_of(*solved, (one, one)) | at_the_point(study.design, outer, middle)
+
+
+def curvature_sources(text: str, name: str, columns: Columns) -> NDArray[np.str_]:
+    """Return how well known the natural curvatures of a pair are: the worse of both tubes."""
+    parts = _study(text, name).space
+    order = ("measured", "interpolated", "held")
+    found = [part.source({"depth_mm": columns[f"{part.role}_depth_mm"]}) for part in (parts.outer, parts.middle)]
+    return np.array([max(pair, key=order.index) for pair in zip(*(table.tolist() for table in found), strict=True)], dtype=str)

@@ -1,0 +1,93 @@
+"""Blocks of work done in order: in this process, on several, or on a dask cluster; the answer is the same bytes.
+
+The engines are the standard library's process pool and dask.distributed, both behind ``concurrent.futures.Executor``. Dask
+repeats what a lost worker was doing.
+"""
+
+from __future__ import annotations
+
+import signal
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import Executor, Future
+from contextlib import contextmanager
+from typing import Any, TypeVar
+
+from coast_cli.errors import NotConverged, UsageError
+
+Task = TypeVar("Task")
+Result = TypeVar("Result")
+_AHEAD = 4  # blocks a worker may be ahead of what is written, which bounds the memory
+_CONNECT_SECONDS = 10
+
+
+@contextmanager
+def workers(jobs: int, cluster: str | None) -> Iterator[tuple[Executor | None, int]]:
+    """Yield an executor and how many blocks it may hold; None is this process.
+
+    Raises:
+        UsageError: the cluster does not answer, or dask.distributed is not installed.
+    """
+    if cluster is not None:
+        with _dask(cluster) as found:
+            yield found
+    elif jobs > 1:
+        from concurrent.futures import ProcessPoolExecutor
+        from multiprocessing import get_context
+
+        pool = ProcessPoolExecutor(jobs, mp_context=get_context("spawn"), initializer=_leave_interrupts_to_the_parent)
+        try:
+            yield pool, _AHEAD * jobs
+        finally:
+            pool.shutdown(wait=True, cancel_futures=True)
+    else:
+        yield None, 1
+
+
+def in_order(
+    executor: Executor | None, window: int, function: Callable[[Task], Result], tasks: Iterable[Task]
+) -> Iterator[Result]:
+    """Yield the results of the tasks in their order, with at most ``window`` of them under way.
+
+    Raises:
+        NotConverged: the workers are gone.
+    """
+    if executor is None:
+        yield from map(function, tasks)
+        return
+    from concurrent.futures.process import BrokenProcessPool
+
+    under_way: deque[Future[Result]] = deque()
+    try:
+        for task in tasks:
+            under_way.append(executor.submit(function, task))
+            if len(under_way) >= window:
+                yield under_way.popleft().result()
+        while under_way:
+            yield under_way.popleft().result()
+    except BrokenProcessPool:
+        raise NotConverged("a worker process ended before its block was done: give fewer --jobs, or run again.") from None
+
+
+@contextmanager
+def _dask(address: str) -> Iterator[tuple[Executor, int]]:
+    try:
+        from distributed import Client
+    except ImportError:
+        raise UsageError("--cluster needs dask.distributed: install coast-cli[cluster].") from None
+    try:
+        client: Any = Client(address, timeout=_CONNECT_SECONDS, set_as_default=False)
+    except (OSError, ValueError, TimeoutError):
+        raise UsageError(f"--cluster {address}: no dask scheduler answers there.") from None
+    with client:
+        client.wait_for_workers(1, timeout=_CONNECT_SECONDS)
+        window = _AHEAD * max(sum(client.nthreads().values()), 1)
+        executor = client.get_executor(pure=False)
+        try:
+            yield executor, window
+        finally:
+            executor.shutdown(wait=False)
+
+
+def _leave_interrupts_to_the_parent() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -1,0 +1,100 @@
+"""A long CSV written block by block: interrupted, it keeps what is done, and a rerun goes on from there.
+
+Until it is whole the file has ``.part`` at its end, with a ``.part.json`` beside it that says what it was made from, how
+many blocks and bytes of it count, and what the next block must know. Both end in the finished file.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import IO, Any
+
+from coast_cli.errors import UsageError
+from coast_cli.output.atomic import write_files
+
+
+class CsvStream:
+    """A CSV file that grows by blocks.
+
+    Args:
+        path: of the finished file. identity: what it is made from; another identity starts anew.
+        overwrite: whether a finished file may be replaced.
+
+    Attributes:
+        blocks: how many are written already. state: what was saved with the last of them.
+
+    Raises:
+        UsageError: the file exists, or cannot be written.
+    """
+
+    def __init__(self, path: Path, identity: str, *, overwrite: bool) -> None:
+        if path.suffix.lower() != ".csv":
+            raise UsageError(f"{path}: pairs are streamed as CSV; allowed: a name that ends in .csv.")
+        if path.exists() and not overwrite:
+            raise UsageError(f"{path}: the file exists; give another name, or --overwrite.")
+        self.path, self.identity = path, identity
+        self.part, self.note = (path.with_name(f"{path.name}.part{suffix}") for suffix in ("", ".json"))
+        self.blocks, self.state = 0, dict[str, Any]()
+        try:
+            size = self._resume()
+            self._stream: IO[str] = self.part.open("a" if size else "w", encoding="utf-8", newline="")
+        except OSError as error:
+            raise UsageError(f"{path}: cannot be written ({error.strerror or error}).") from None
+
+    def _resume(self) -> int:
+        """Return how many bytes of an earlier run count, and cut off what came after them."""
+        try:
+            note = json.loads(self.note.read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            return 0
+        if note.get("identity") != self.identity or not self.part.is_file() or self.part.stat().st_size < note["bytes"]:
+            return 0
+        os.truncate(self.part, note["bytes"])
+        self.blocks, self.state = note["blocks"], note["state"]
+        return int(note["bytes"])
+
+    def write(self, columns: Mapping[str, Any], state: Mapping[str, Any]) -> None:
+        """Append a block of rows and save what goes with it.
+
+        Raises:
+            UsageError: the disk is full, or gone; what was written before stays.
+        """
+        writer = csv.writer(self._stream, lineterminator="\n")
+        try:
+            if columns:
+                if self._stream.tell() == 0:
+                    writer.writerow(columns)
+                writer.writerows(zip(*(_texts(column) for column in columns.values()), strict=True))
+            self._stream.flush()
+            self.blocks += 1
+            note = {"identity": self.identity, "blocks": self.blocks, "bytes": self._stream.tell(), "state": dict(state)}
+            write_files({self.note: lambda stream: json.dump(note, stream)})
+        except (OSError, UsageError) as error:
+            reason = error.strerror if isinstance(error, OSError) else error
+            raise UsageError(
+                f"{self.path}: cannot be written ({reason}); {self.part.name} keeps what is done, "
+                "so make room and run the same command again."
+            ) from None
+
+    def finish(self) -> None:
+        """Give the file its name."""
+        self._stream.close()
+        self.part.replace(self.path)
+        self.note.unlink(missing_ok=True)
+
+    def close(self) -> None:
+        """Leave the file as it is, to be gone on with later."""
+        try:
+            self._stream.close()
+        except OSError:
+            return  # the disk is full: what counts is on it already
+
+
+def _texts(column: Any) -> Sequence[Any]:  # noqa: ANN401
+    """Return a column as Python values, truth as JSON has it."""
+    values: list[Any] = column.tolist()
+    return ["true" if value else "false" for value in values] if column.dtype == bool else values
