@@ -21,6 +21,7 @@ from coast_cli.diagnosis.shapes.problem import Problem, build_problem
 from coast_cli.effects.shapes.catalogue import SHAPE_CATALOGUE
 from coast_cli.effects.shapes.local_stiffness_defect import LocalStiffnessDefect
 from coast_cli.mechanics.section import FloatArray
+from coast_cli.recordings.noise import NoiseEstimate
 from coast_cli.units import MILLIMETRE
 
 if TYPE_CHECKING:
@@ -57,27 +58,27 @@ def diagnose_shapes(
     if problem.size < max(_FEWEST_POINTS, 3 * len(problem.base)):
         reason = f"only {problem.size} points can be fitted"
         return Diagnosis("insufficient", reason, 0.0, UNIT, next_recording=_next_photograph(problem))
-    rough = fit(problem, level=_FIRST_LEVEL)
-    estimate = points_noise(problem, rough)
+    shown = whole if kept_back.chosen else problem
+    estimate = points_noise(shown, fit(shown, level=_FIRST_LEVEL))
     floor = max(estimate.level * float(np.exp(min(estimate.log_level_std, 0.5))), 1e-9)
     contest = run_contest(problem, floor, most_effects)
-    return _Judge(problem, kept_back, contest, floor, estimate.correlation).diagnosis()
+    return _Judge(problem, kept_back, contest, floor, estimate).diagnosis()
 
 
 @dataclass(frozen=True)
 class _Judge:
-    """Turns a contest into a verdict and figures; ``floor`` and ``correlation`` are of the noise of the points (m)."""
+    """Turns a contest into a verdict and figures; ``floor`` is the noise of the points, m, generous by its own error."""
 
     problem: Problem
     kept_back: HoldOut
     contest: Contest
     floor: float
-    correlation: float
+    estimate: NoiseEstimate
 
     def diagnosis(self) -> Diagnosis:
         """Return the whole answer."""
         problem, contest, leading = self.problem, self.contest, self.contest.leading
-        leftover = find_leftover(problem, leading.fit, self.floor)
+        leftover = find_leftover(problem, leading.fit, self.floor, sure=self.estimate.sure)
         explained = float(np.sqrt(max(contest.base.fit.rmse**2 - leading.fit.rmse**2, 0.0)))
         noise = min(self.floor, leading.fit.rmse)
         unexplained = leftover.size > _OF_NOISE * noise and leftover.size > _OF_EXPLAINED * explained
@@ -190,7 +191,7 @@ class _Judge:
 
     def _where(self, final: Fit, *, named: bool) -> tuple[Region, ...]:
         """Return the regions found before anything was named, and the place that a named effect has of its own."""
-        regions = list(locate(self.problem, self.contest.base.fit, self.floor, self.correlation))
+        regions = list(locate(self.problem, self.contest.base.fit, self.floor, self.estimate.correlation))
         share = regions[0].share if regions else 1.0
         p_value = regions[0].p_value if regions else 0.01
         for effect in final.effects if named else ():

@@ -1,7 +1,8 @@
 """Structure that a fit leaves in the residuals, beyond what noise of the points draws.
 
 *Smooth*: they are likelier as a smooth curve plus white noise than as AR(1) noise. *Repeats*: one photograph's residual
-predicts that of another of the same tube the same way up, at equal arc length. *Level*: they stand above the noise.
+predicts that of another of the same tube the same way up, at equal arc length. *Level*: they stand above the noise, where
+that is well known.
 """
 
 from __future__ import annotations
@@ -42,8 +43,8 @@ def points_noise(problem: Problem, fitted: Fit) -> NoiseEstimate:
     return pooled_noise(series)
 
 
-def find_leftover(problem: Problem, fitted: Fit, floor: float) -> Leftover:
-    """Return the structure that a fit leaves; ``floor`` is the noise, m."""
+def find_leftover(problem: Problem, fitted: Fit, floor: float, *, sure: bool) -> Leftover:
+    """Return the structure that a fit leaves; ``floor`` is the noise, m, ``sure`` whether its level is known."""
     bank = NoiseBank(problem.sequences, kernel="smooth")
     smooth = bank.evidence(fitted.residual)
     nats = smooth.log_likelihood - fitted.evidence.log_likelihood
@@ -52,7 +53,7 @@ def find_leftover(problem: Problem, fitted: Fit, floor: float) -> Leftover:
     if repeats > _REPEATS:
         share = max(share, repeats)
     size = fitted.rmse * float(np.sqrt(share))
-    if fitted.rmse > _ABOVE_NOISE * floor:
+    if sure and fitted.rmse > _ABOVE_NOISE * floor:
         size = max(size, float(np.sqrt(fitted.rmse**2 - floor**2)))
     return Leftover(size, float(nats), repeats)
 

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 _SMOOTH_DEGREE = 8
 _POINTS_A_COEFFICIENT = 3
-_LONGEST_BACKWARD = 6.0  # usual steps
+_BACKWARD = 6.0  # noise levels
 _WIDEST_GAP = 0.25  # of the tube
 _LENGTHS = (0.75, 1.35)  # recorded over configured
 _CLAMP = 0.03  # of the tube
@@ -150,20 +150,24 @@ def _check(run: ShapeRun, length: float) -> None:
 
 
 def _turned_back(x: FloatArray, y: FloatArray, usual: float) -> int | None:
-    """Return the first point that lies well behind the way so far, or None."""
+    """Return the first point that lies behind the one before, or where an earlier one was, beyond what noise does."""
     count = len(x)
-    window = max(2, count // 40)
     if count < 6:
         return None
+    window = max(2, count // 40)
     kernel = np.ones(2 * window + 1) / (2 * window + 1)
     padded = [np.pad(values, window, mode="reflect", reflect_type="odd") for values in (x, y)]
     smooth = [np.convolve(values, kernel, mode="valid") for values in padded]
     along = [np.gradient(values) for values in smooth]
     size = np.maximum(np.hypot(*along), 1e-300)
-    noise = np.hypot(np.median(np.abs(x - smooth[0])), np.median(np.abs(y - smooth[1])))
+    noise = float(np.hypot(np.median(np.abs(x - smooth[0])), np.median(np.abs(y - smooth[1]))))
     forward = (np.diff(x) * along[0][:-1] + np.diff(y) * along[1][:-1]) / size[:-1]
-    behind = np.flatnonzero(forward < -(_LONGEST_BACKWARD * noise + 2.0 * usual))
-    return int(behind[0]) + 1 if behind.size else None
+    behind = np.flatnonzero(forward < -(_BACKWARD * noise + 0.5 * usual)) + 1
+    apart = int(np.ceil(6.0 + (usual + _BACKWARD * noise) / max(float(np.median(size)), 1e-12)))
+    distance = np.hypot(x[:, np.newaxis] - x, y[:, np.newaxis] - y)
+    again = np.flatnonzero(np.any(np.tril(distance < usual, -apart), axis=1))
+    first = [int(found[0]) for found in (behind, again) if found.size]
+    return min(first) if first else None
 
 
 def _check_length(run: ShapeRun, length: float, recorded: float) -> None:
