@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
 # A record whose residual stands this far above its own noise floor is not explained by noise.
 _ABOVE_NOISE = 1.9
+# ... and this far, with slow noise counted in full, where nothing was named: a drift of the camera reaches 2.2.
+_FAR_ABOVE_NOISE = 2.5
 # Structure left over is tolerated up to these shares of the noise and of what was explained.
 _OF_NOISE = 0.6
 _OF_EXPLAINED = 0.35
@@ -91,15 +93,18 @@ class _Judge:
         """Return the whole answer."""
         problem, contest = self.problem, self.contest
         leading = contest.leading
-        floor = problem.floor
+        # To say that something unknown is there is as grave as a name: without one, all slow noise is granted.
+        floor = problem.floor if leading.ids else problem.highest_floor
         structure = find_structure(problem, leading.fit)
-        excess = _excess(leading.fit, floor, structure)
+        excess = _excess(leading.fit, floor, structure, _ABOVE_NOISE if leading.ids else _FAR_ABOVE_NOISE)
         explained = float(np.sqrt(max(contest.base.fit.rmse**2 - leading.fit.rmse**2, 0.0)))
         unexplained = excess > _OF_NOISE * min(floor, leading.fit.rmse) and excess > _OF_EXPLAINED * explained
-        final = self._final(leading.fit)
         comparison = self._comparison(leading.fit)
         if leading.ids and not _holds(comparison, to_unit(problem.runs[0].kind, floor)):
-            unexplained = True
+            # What does not carry over to unseen rows is dropped, and the base model is judged in its place.
+            base_alone = replace(self, contest=replace(contest, leading=contest.base, tried=(contest.base,)))
+            return replace(base_alone.diagnosis(), attempts=leading.ids)
+        final = self._final(leading.fit)
         verdict = self._verdict(unexplained=unexplained)
         named = self._named(leading, final, excess, explained) if verdict in ("physics", "sensor", "ambiguous") else ()
         kind = problem.runs[0].kind
@@ -198,7 +203,7 @@ class _Judge:
 
     def _reason(self, verdict: Verdict, excess: float, structure: Structure) -> str:
         kind = self.problem.runs[0].kind
-        unit = UNITS[kind]
+        unit = "1/m" if kind == "curvature" else "degrees"
         if verdict == "agrees":
             return "the model as configured agrees with the recording within its noise"
         if verdict == "parameters":
@@ -266,9 +271,9 @@ def _untested(problem: Problem) -> str:
     return "; ".join(parts)
 
 
-def _excess(fitted: Fit, floor: float, structure: Structure) -> float:
-    """Return the RMS of what is neither model nor noise, SI."""
-    above = np.sqrt(max(fitted.rmse**2 - floor**2, 0.0)) if fitted.rmse > _ABOVE_NOISE * floor else 0.0
+def _excess(fitted: Fit, floor: float, structure: Structure, margin: float) -> float:
+    """Return the RMS of what is neither model nor noise, SI; a residual within ``margin`` of the floor is noise."""
+    above = np.sqrt(max(fitted.rmse**2 - floor**2, 0.0)) if fitted.rmse > margin * floor else 0.0
     repeated = fitted.rmse * np.sqrt(max(structure.repeats, 0.0)) if structure.repeats > _REPEATS else 0.0
     return float(max(above, repeated))
 

@@ -71,8 +71,13 @@ def locate(problem: Problem, base: Fit) -> tuple[Region, ...]:
         if p_value > _SIGNIFICANT or not np.any(outside):
             continue
         share = excess_in / max(excess_in + excess_out, 1e-300)
-        regions.append(_region(samples, axis, inside, float(np.clip(share, 0.0, 1.0)), float(p_value), gain))
-    return tuple(sorted(regions, key=lambda region: (-round(region.share, 1), -region.nats * _INCIDENTAL.get(region.axis, 1.0))))
+        regions.append(_region(samples, axis, inside, _coarse(share), float(p_value), gain))
+    return tuple(sorted(regions, key=lambda region: (-region.share, -region.nats * _INCIDENTAL.get(region.axis, 1.0))))
+
+
+def _coarse(share: float) -> float:
+    """Return a share to the 5 % that it is known to, so that near equals are ordered by what stands out more."""
+    return float(np.clip(round(20.0 * share) / 20.0, 0.0, 1.0))
 
 
 def _collect(problem: Problem, base: Fit) -> _Samples:

@@ -129,6 +129,12 @@ class Problem:
 
         return recording_noise(self._fitted_runs)
 
+    @property
+    def highest_floor(self) -> float:
+        """The highest noise level that the recording leaves possible, SI: slow noise counted in full."""
+        estimate = self.noise_estimate
+        return max(float(estimate.level * np.exp(min(estimate.log_level_std, 0.7))), self.floor)
+
     @cached_property
     def floor(self) -> float:
         """The noise level that the recording itself shows, SI, generous by its own uncertainty."""

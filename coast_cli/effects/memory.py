@@ -10,6 +10,8 @@ import numpy as np
 
 from coast_cli.mechanics.section import FloatArray
 
+_AT_ONCE = 1e-9  # s, far under any frame
+
 
 def follow(low: FloatArray, high: FloatArray, rest: FloatArray | None = None) -> FloatArray:
     """Return the state s_t = min(max(s_(t-1), low_t), high_t).
@@ -36,7 +38,7 @@ def relax(target: FloatArray, time: FloatArray, time_constant: float, start: Flo
     Args:
         target: shape (n,) or (n, m). time: s, shape (n,). time_constant: s. start: value at the first row.
     """
-    if time_constant <= 0.0:
+    if time_constant <= _AT_ONCE:
         return target
     step = np.maximum(np.diff(time), 0.0) / time_constant
     decay = np.exp(-step)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from coast_cli.effects.effect import Effect, History, Parameter
 from coast_cli.effects.memory import relax
 from coast_cli.mechanics.section import FloatArray
@@ -11,23 +13,31 @@ from coast_cli.mechanics.section import FloatArray
 
 @dataclass(frozen=True)
 class SensorLag(Effect):
-    """A first-order delay of the response."""
+    """A first-order lag and a pure delay of the response; exposure and filters are the one, queues the other."""
 
     time_constant_s: float = 0.0
+    delay_s: float = 0.0
 
     id = "sensor_lag"
     title = "camera answers late"
     component = "camera"
     kind = "sensor"
     stage = "sensor"
-    equation = "y' = (response - y)/time_constant"
-    source = "first-order lag of exposure, filtering and time stamps"
-    parameters = (Parameter("time_constant_s", 0.0, 0.0, 30.0, (0.05, 0.2, 0.8, 3.0), "frames to seconds"),)
+    equation = "y' = (response(t - delay) - y)/time_constant"
+    source = "first-order lag of exposure and filtering, dead time of transfer and time stamps"
+    parameters = (
+        Parameter("time_constant_s", 0.0, 0.0, 30.0, (0.05, 0.2, 0.8, 3.0, 0.0), "frames to seconds"),
+        Parameter("delay_s", 0.0, 0.0, 30.0, (0.0, 0.1, 0.4, 1.5), "frames to seconds"),
+    )
     needs = ("time",)
     decided_by = "the same loading and release at two rates, ten times apart, ending in a hold"
 
     def sense(self, response: FloatArray, history: History) -> FloatArray:
         """Delay the response."""
-        if history.time is None or self.time_constant_s == 0.0 or response.shape[0] == 0:
+        time = history.time
+        if time is None or response.shape[0] == 0 or (self.time_constant_s == 0.0 and self.delay_s == 0.0):
             return response
-        return relax(response, history.time, self.time_constant_s, response[0])
+        late = response
+        if self.delay_s > 0.0:
+            late = np.stack([np.interp(time - self.delay_s, time, column) for column in response.T], axis=1)
+        return relax(late, time, self.time_constant_s, late[0])

@@ -10,6 +10,9 @@ from coast_cli.effects.effect import Effect, Parameter, Segment
 from coast_cli.mechanics.section import FloatArray
 
 
+_NO_JUMP = 1e-9  # 1/m
+
+
 @dataclass(frozen=True)
 class SnapThrough(Effect):
     """A drop of the moment around a curvature; the forward model jumps across what it cannot hold."""
@@ -49,9 +52,9 @@ class SnapThrough(Effect):
 
     def moment(self, moment: FloatArray, curvature: FloatArray, direction: int, segment: Segment) -> FloatArray:
         """Take off the moment that is let go."""
-        if self.drop == 0.0:
-            return moment
         jump = self.drop * self.curvature_per_m
+        if jump < _NO_JUMP:
+            return moment
         at = self.curvature_per_m if direction > 0 else self.back * self.curvature_per_m + jump
         gone = 0.5 * (1.0 + np.tanh((curvature - at) / (0.5 * self.sharpness * jump)))
         return moment - segment.rigidity * jump * gone
