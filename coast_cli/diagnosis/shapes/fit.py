@@ -18,8 +18,10 @@ from coast_cli.effects.shapes.effect import ShapeEffect
 from coast_cli.mechanics.section import FloatArray
 
 _STEPS = 12
-_FINE_STEPS = 3
+_FINE_STEPS = 4
+_SETTLED = 0.8  # of the rough level: what is left may be far below it, and then the rough pass stopped early
 _GAIN = 1e-3  # fall of the cost, in nats, under which a fit has settled
+_GAIN_SHARE = 2e-5
 _DIFFERENCE = 1e-3
 
 
@@ -76,7 +78,7 @@ def fit(
     vector = np.clip(space.joined(base), space.low, space.high)
     vector, residual = _descend(space, vector, level, 0, steps)
     evidence = problem.bank.evidence(residual)
-    if polish and evidence.colour:
+    if polish and (evidence.colour or evidence.level < _SETTLED * level):
         vector, residual = _descend(space, vector, max(evidence.level, 1e-12), evidence.colour, _FINE_STEPS)
         evidence = problem.bank.evidence(residual)
     return _finished(space, vector, residual, evidence)
@@ -216,6 +218,6 @@ def _descend(space: Space, vector: FloatArray, level: float, colour: int, steps:
             break
         vector, residual, white, cost = trial, trial_residual, trial_white, trial_cost
         damping = max(damping / 10.0, 1e-9)
-        if fall < _GAIN + 1e-4 * cost:
+        if fall < _GAIN + _GAIN_SHARE * cost:
             break
     return vector, residual
