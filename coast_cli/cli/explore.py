@@ -41,7 +41,7 @@ def explore(
     from coast_cli.output.progress import progress
     from coast_cli.output.provenance import provenance
     from coast_cli.output.stream import CsvStream
-    from coast_cli.output.write import write_answer
+    from coast_cli.output.write import say, write_answer
     from coast_cli.spec.load import load_config_text, read_text
 
     if cluster is not None and jobs > 1:
@@ -53,11 +53,16 @@ def explore(
     stream = None if every is None else CsvStream(every, repr(origin), overwrite=overwrite)
     with nullcontext() if stream is None else closing(stream):
         beginning = Beginning() if stream is None else Beginning(stream.blocks, stream.state)
-        with workers(jobs, cluster) as executor, progress("blocks", total, beginning.blocks) as advance:
-            rows, notes = run(
-                document, text, executor=executor, beginning=beginning,
-                save=None if stream is None else stream.write, advance=advance,
-            )  # fmt: skip
+        try:
+            with workers(jobs, cluster) as executor, progress("blocks", total, beginning.blocks) as advance:
+                rows, notes = run(
+                    document, text, executor=executor, beginning=beginning,
+                    save=None if stream is None else stream.write, advance=advance,
+                )  # fmt: skip
+        except KeyboardInterrupt:
+            if stream is not None:
+                say(f"interrupted: {stream.part} keeps {stream.blocks} blocks, and the same command goes on from there.")
+            raise
         if stream is not None:
             stream.finish()
     if plot is not None:

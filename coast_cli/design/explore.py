@@ -26,7 +26,8 @@ from coast_cli.spec.explore import Explore
 from coast_cli.spec.load import load_config_text
 from coast_cli.spec.tubes import Role
 
-CHUNK = 512  # tubes of a role in one block: a quarter of a million pairs at most
+CHUNK = 128  # tubes of a role in one block
+_KEPT = 16  # solved chunks of a role that a process keeps
 _PARENTS, _CHILDREN = 128, 16  # of the front in one refinement, and the pairs tried round each
 _FIRST_BOX, _SHRINKING = 0.25, 0.5  # width of the box as a share of each range, and its factor from round to round
 ROLES: tuple[Role, ...] = ("outer", "middle")
@@ -119,7 +120,7 @@ class _Study:
         self.space: Space = space(config)
         self.limits = limits(config)
         self._shares: dict[Role, FloatArray] = {}
-        self._chunks: dict[Role, tuple[tuple[int, int], _Chunk]] = {}
+        self._chunks: dict[tuple[Role, int, int], _Chunk] = {}
 
     def shares(self, role: Role) -> FloatArray:
         """Return the shares of every sampled tube of a role."""
@@ -130,13 +131,16 @@ class _Study:
         return self._shares[role]
 
     def chunk(self, role: Role, number: int, size: int) -> _Chunk:
-        """Return one chunk of a role, solved; the last one of each role is kept."""
-        kept = self._chunks.get(role)
-        if kept is None or kept[0] != (number, size):
+        """Return one chunk of a role, solved; the last few are kept."""
+        key = role, number, size
+        if key not in self._chunks:
             rows = slice(number * size, (number + 1) * size)
-            kept = (number, size), self._solve(role, self.shares(role)[rows], number * size)
-            self._chunks[role] = kept
-        return kept[1]
+            solved = self._solve(role, self.shares(role)[rows], number * size)
+            mine = [other for other in self._chunks if other[0] == role]
+            if len(mine) >= _KEPT:
+                del self._chunks[mine[0]]
+            self._chunks[key] = solved
+        return self._chunks[key]
 
     def _solve(self, role: Role, shares: FloatArray, first: int) -> _Chunk:
         part = self.space.role(role)

@@ -1,0 +1,169 @@
+"""``coast explore``: files that stream and resume, disks that fill, and the same bytes from any engine."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from importlib.util import find_spec
+
+import pytest
+
+SPACE = """
+[explore]
+tubes = 256
+refinements = 0
+[explore.outer]
+depth_mm = { min = 0.314, max = 0.400 }
+[explore.middle]
+depth_mm = { min = 0.243, max = 0.287 }
+"""
+SMALL = SPACE.replace("256", "16")
+
+
+@pytest.fixture
+def config(tmp_path, reference_text):
+    def write(table=SMALL):
+        path = tmp_path / "space.toml"
+        path.write_text(reference_text + table, encoding="utf-8")
+        return path
+
+    return write
+
+
+def start(*words, **options):
+    command = [sys.executable, "-m", "coast_cli", "explore", *map(str, words)]
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **options)
+
+
+def test_every_pair_is_streamed_and_the_front_printed(coast, config, tmp_path):
+    ran = coast("explore", config(), "--all", tmp_path / "pairs.csv", "-f", "json")
+    answer = json.loads(ran.out)
+    assert ran.code == 0
+    assert answer["schema"] == "coast.explore/1"
+    lines = (tmp_path / "pairs.csv").read_text().splitlines()
+    assert len(lines) == 1 + 16 * 16
+    assert lines[0].startswith("outer,middle,outer_depth_mm,middle_depth_mm,total_precurvature_rad")
+    assert sum(line.endswith("true") for line in lines[1:]) >= len(answer["rows"]) > 0
+    assert "256 pairs solved" in ran.err
+    assert not list(tmp_path.glob("*.part*"))
+
+
+def test_a_file_that_exists_is_not_replaced(coast, config, tmp_path):
+    path = tmp_path / "pairs.csv"
+    path.write_text("mine")
+    ran = coast("explore", config(), "--all", path)
+    assert (ran.code, ran.out, path.read_text()) == (2, "", "mine")
+    assert "the file exists" in ran.err
+    assert coast("explore", config(), "--all", path, "--overwrite").code == 0
+    assert path.read_text() != "mine"
+
+
+def test_only_csv_is_streamed(coast, config, tmp_path):
+    ran = coast("explore", config(), "--all", tmp_path / "pairs.parquet")
+    assert ran.code == 2
+    assert ".csv" in ran.err
+
+
+def test_jobs_give_the_same_bytes(coast, config, tmp_path):
+    alone = coast("explore", config(), "--all", tmp_path / "one.csv", "-f", "json")
+    together = coast("explore", config(), "--all", tmp_path / "two.csv", "--jobs", "2", "-f", "json")
+    assert alone == together
+    assert (tmp_path / "one.csv").read_bytes() == (tmp_path / "two.csv").read_bytes()
+
+
+def test_an_interrupt_keeps_what_is_done_and_a_rerun_resumes(config, tmp_path):
+    """Four blocks of 16,384 pairs; the interrupt comes once the first is written."""
+    path, note = tmp_path / "pairs.csv", tmp_path / "pairs.csv.part.json"
+    arguments = (config(SPACE), "--top", "3", "-f", "json", "--all")
+    running = start(*arguments, path)
+    while not note.exists():
+        assert running.poll() is None, running.communicate()
+        time.sleep(0.02)
+    running.send_signal(signal.SIGINT)
+    _, said = running.communicate()
+    assert running.returncode == 130
+    assert "the same command goes on from there" in said
+    assert "Traceback" not in said
+    assert 1 <= json.loads(note.read_text())["blocks"] < 4
+    assert not path.exists()
+    resumed = start(*arguments, path).communicate()
+    whole = start(*arguments, tmp_path / "whole.csv").communicate()
+    assert resumed == whole
+    assert path.read_bytes() == (tmp_path / "whole.csv").read_bytes()
+
+
+@pytest.mark.skipif(os.name != "posix", reason="file size limits are POSIX")
+def test_a_full_disk_is_said_and_what_is_written_stays(config, tmp_path):
+    """A limit on the size of files stands for the disk; it stops the run past its middle."""
+    import resource
+
+    path = tmp_path / "pairs.csv"
+    arguments = (config(SPACE), "--top", "3", "-f", "json", "--all")
+    whole = start(*arguments, tmp_path / "whole.csv").communicate()
+    limit = int(0.6 * (tmp_path / "whole.csv").stat().st_size)
+    full = start(*arguments, path, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)))
+    out, said = full.communicate()
+    assert (full.returncode, out) == (2, "")
+    assert "run the same command again" in said
+    assert "Traceback" not in said
+    assert not path.exists()
+    assert json.loads((tmp_path / "pairs.csv.part.json").read_text())["blocks"] == 2
+    assert start(*arguments, path).communicate() == whole
+    assert path.read_bytes() == (tmp_path / "whole.csv").read_bytes()
+
+
+def test_no_cluster_is_said(coast, config):
+    if find_spec("distributed") is None:
+        ran = coast("explore", config(), "--cluster", "tcp://127.0.0.1:9")
+        assert "install coast-cli[cluster]" in ran.err
+    else:
+        ran = coast("explore", config(), "--cluster", "nonsense://127.0.0.1")
+        assert "no dask scheduler" in ran.err
+    assert (ran.code, ran.out) == (2, "")
+
+
+@pytest.fixture
+def cluster(tmp_path):
+    """A scheduler and two workers as processes of their own; yields (address, workers)."""
+    if find_spec("distributed") is None:
+        pytest.skip("not here: dask.distributed, the extra [cluster]")
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
+    note = tmp_path / "scheduler.json"
+
+    def run(*words):
+        quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+        command = [sys.executable, "-m", "distributed.cli." + words[0], *words[1:]]
+        return subprocess.Popen(command, env=environment, cwd=tmp_path, **quiet)
+
+    file = ("--scheduler-file", str(note))
+    running = [run("dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", *file)]
+    alone = ("--nthreads", "1", "--no-nanny", "--no-dashboard", "--local-directory", str(tmp_path / "dask"))
+    running += [run("dask_worker", *file, *alone) for _ in range(2)]
+    while not note.exists():
+        assert running[0].poll() is None
+        time.sleep(0.05)
+    try:
+        yield json.loads(note.read_text())["address"], running[1:]
+    finally:
+        for process in running[::-1]:
+            process.kill()
+            process.wait()
+
+
+@pytest.mark.parametrize("killed", [False, True], ids=["whole", "a worker killed"])
+def test_a_cluster_gives_the_same_bytes(config, tmp_path, cluster, killed):
+    address, crew = cluster
+    arguments = (config(SPACE), "--top", "3", "-f", "json", "--all")
+    alone = start(*arguments, tmp_path / "alone.csv").communicate()
+    running = start(*arguments, tmp_path / "cluster.csv", "--cluster", address)
+    if killed:
+        while not (tmp_path / "cluster.csv.part").exists():
+            assert running.poll() is None, running.communicate()
+            time.sleep(0.02)
+        crew[0].kill()
+    out, said = running.communicate()
+    assert running.returncode == 0, said
+    assert out == alone[0]
+    assert (tmp_path / "alone.csv").read_bytes() == (tmp_path / "cluster.csv").read_bytes()
