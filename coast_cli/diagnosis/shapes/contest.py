@@ -190,4 +190,5 @@ def _hypothesis(problem: Problem, fitted: Fit) -> Hypothesis:
         occam = max(-0.5 * float(np.linalg.slogdet(covariance)[1]), 0.0)
     chosen = sum(1 for effect in fitted.effects if getattr(effect, "tube", 0.0))
     occam += chosen * float(np.log(max(len(problem.scene.tubes), 1)))
+    occam += sum(effect.rarity for effect in fitted.effects)
     return Hypothesis(fitted, fitted.log_likelihood - occam)

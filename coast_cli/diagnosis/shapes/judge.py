@@ -88,7 +88,7 @@ class _Judge:
             unexplained = True
         rivals = contest.alternatives()
         verdict = self._verdict(rivals, unexplained=unexplained)
-        named = verdict in ("physics", "sensor", "ambiguous")
+        named = bool(leading.ids) and not unexplained
         final = self._final(contest.base.fit if unexplained else leading.fit)
         return Diagnosis(
             verdict=verdict,

@@ -30,6 +30,7 @@ class CameraTilt(ShapeEffect):
         Parameter("foreshortening", 0.0, -0.3, 0.3, (0.02, -0.02), "1 - cosine of the tilt about the tube's axis"),
         Parameter("perspective_per_m", 0.0, -4.0, 4.0, (0.0, 0.2, -0.2), "tilt over the camera's distance"),
     )
+    rarity = 3.0
     decided_by = "a grid in the plane of the tube, in the same picture"
 
     @classmethod

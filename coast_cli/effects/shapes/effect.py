@@ -86,7 +86,7 @@ class ShapeEffect(Effect):
     ``expected`` holds (mean, standard deviation) of parameters that physics foretells; ``of_one_tube`` marks effects
     that may sit on one tube alone; ``on_pairs`` those that only an assembled pair can have; ``is_local`` those shorter
     than a few pitches. ``order`` is the power of its amplitude with which a small effect grows; ``logarithmic`` names
-    the parameters that a fit moves by factors.
+    the parameters that a fit moves by factors; ``rarity`` is what the effect pays, nats, for being less likely beforehand.
     """
 
     expected: ClassVar[Mapping[str, tuple[float, float]]] = {}
@@ -95,6 +95,7 @@ class ShapeEffect(Effect):
     is_local: ClassVar[bool] = False
     order: ClassVar[int] = 1
     logarithmic: ClassVar[tuple[str, ...]] = ()
+    rarity: ClassVar[float] = 0.0
 
     @classmethod
     def fitted(cls) -> tuple[Parameter, ...]:

@@ -23,6 +23,7 @@ class LensDistortion(ShapeEffect):
     equation = "r -> r (1 + radial r^2), r from the middle of the shape"
     source = "Brown, Photogrammetric Engineering 32 (1966) 444: first radial term"
     parameters = (Parameter("radial_per_m2", 0.0, -200.0, 200.0, (10.0,), "a few per cent at 50 mm"),)
+    rarity = 3.0
     decided_by = "a grid in the plane of the tube, in the same picture"
 
     def see(self, x: FloatArray, y: FloatArray, centre: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
