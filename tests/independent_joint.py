@@ -85,6 +85,7 @@ class Left:
     scale: float = 1.0
     offset: float = 0.0
     bump: tuple[float, float, float] = (0.0, 0.0, 1.0)  # height, stroke, width: no effect of any catalogue
+    ripple: tuple[float, float] = (0.0, 1.0)  # height, period in stroke other than the screw's: nor is this
 
 
 @dataclass(frozen=True)
@@ -99,100 +100,114 @@ class Truth:
     wire: float = 53.965e9 * np.pi * 3.8e-5**2 / 0.38868
 
 
+class _Segment:
+    """The bending segment and its tendon at one time step: what holds a curvature, and where it sticks or slips."""
+
+    def __init__(self, truth: Truth, outer: Tube, middle: Tube, length: float):
+        left = truth.left
+        self.left, self.truth, self.middle, self.length = left, truth, middle, length
+        inertia = sum(tube.series(flat=left.flat, end_share=left.end_share) for tube in (outer, middle))
+        self.arm = middle.strip()[1] + middle.ri - 3.8e-5
+        self.pitch = middle.cut + middle.uncut
+        self.bending = truth.modulus * inertia
+        self.gain = truth.gain * truth.eta ** (length / self.pitch)
+        self.place = (np.arange(40) + 0.5) / 40 * length
+        self.weight = 9.81 * left.tilt * (outer.mass + middle.mass) if left.tilt else 0.0
+        self.snapped = False
+        loaded = bool(left.tip_force or left.tilt)
+        self.kappa = brentq(lambda k: self.held(k, self.bending), -150.0, 150.0) if loaded else left.rest
+
+    def shortening(self, kappa):
+        """Tendon path that the bend takes, notch by notch along chords."""
+        turn = kappa * self.pitch
+        if abs(turn) < 1e-9:
+            return self.length * self.arm * kappa
+        chord = 2.0 * (self.middle.cut / turn - self.arm) * np.sin(turn / 2.0)
+        return self.length / self.pitch * (self.middle.cut - chord)
+
+    def outside(self, kappa):
+        """Mean moment of loads along the arc."""
+        if not (self.left.tip_force or self.weight):
+            return 0.0
+        step = self.length / 40
+        x = np.cumsum(np.cos(kappa * self.place)) * step
+        found = self.left.tip_force * np.mean(x[-1] - x)
+        if self.weight:
+            tail = np.cumsum(x[::-1])[::-1] * step - x * (self.length - self.place)
+            found += self.weight * np.mean(tail)
+        return found
+
+    def held(self, kappa, stiffness):
+        """Moment that the tendon must give to hold a curvature, friction aside."""
+        left = self.left
+        elastic = kappa - left.rest - (left.snap[2] if self.snapped else 0.0)
+        elastic -= left.tube_knee[1] * max(kappa - left.tube_knee[0], 0.0)
+        elastic += left.closure[1] * max(kappa - left.closure[0], 0.0)
+        return stiffness * elastic - self.outside(kappa)
+
+    def pull(self, space):
+        """Tension of the wire when the actuator has taken up ``space`` and the bend its part of it."""
+        stretch = space - self.shortening(self.kappa)
+        force = self.truth.wire * max(stretch, 0.0)
+        knee, softer = self.left.wire_knee
+        return force if force <= knee else knee + (force - knee) / (1.0 + softer)
+
+    def _slip(self, space, stiffness, gain, friction, reach):
+        def balance(kappa):
+            self.kappa = kappa
+            return self.pull(space) - gain * (self.held(kappa, stiffness) + friction) / self.arm
+
+        low, high = sorted((self.kappa, self.kappa + reach))
+        self.kappa = brentq(balance, low, high, xtol=1e-9)
+
+    def settle(self, space, stiffness):
+        """Stick, or slip to where the balance is restored; let go or come back where the outer tube does. Return N."""
+        left, rub = self.left, self.left.friction_moment
+        for _ in range(3):
+            force, moment = self.pull(space), self.held(self.kappa, stiffness)
+            if force > self.gain * (moment + rub) / self.arm:
+                self._slip(space, stiffness, self.gain, rub, 300.0)
+            elif force < self.gain * left.release_ratio * (moment - rub) / self.arm:
+                self._slip(space, stiffness, self.gain * left.release_ratio, -rub, -300.0)
+            moment = self.held(self.kappa, stiffness)
+            lets_go = moment < left.snap[1] if self.snapped else moment > left.snap[0]
+            if not lets_go:
+                break
+            self.snapped = not self.snapped
+        return self.pull(space)
+
+
 def simulate(truth: Truth, outer: str, middle: str, length: float, time, stroke, earlier: float = 0.0):
     """Return curvature (1/m) as seen, tension (N) and the largest tension so far, sample by sample."""
     left = truth.left
-    length = length + left.length_error
-    o, m = OUTER[outer], MIDDLE[middle]
-    inertia = sum(tube.series(flat=left.flat, end_share=left.end_share) for tube in (o, m))
-    arm = m.strip()[1] + m.ri - 3.8e-5
-    pitch = m.cut + m.uncut
-    bending = truth.modulus * inertia
-    load_gain = truth.gain * truth.eta ** (length / pitch)
-    place = (np.arange(40) + 0.5) / 40 * length
-    weight = 9.81 * left.tilt * (o.mass + m.mass) if left.tilt else 0.0
-    state = {"snapped": False}
-
-    def shortening(kappa):
-        turn = kappa * pitch
-        chord = m.cut if abs(turn) < 1e-9 else 2.0 * (m.cut / turn - arm) * np.sin(turn / 2.0)
-        return length / pitch * (m.cut - chord) if abs(turn) >= 1e-9 else length * arm * kappa
-
-    def outside(kappa):
-        """Mean moment of loads along the arc."""
-        if left.tip_force == 0.0 and left.tilt == 0.0:
-            return 0.0
-        step = length / 40
-        x = np.cumsum(np.cos(kappa * place)) * step
-        found = left.tip_force * np.mean(x[-1] - x)
-        if weight:
-            tail = np.cumsum(x[::-1])[::-1] * step - x * (length - place)
-            found += weight * np.mean(tail)
-        return found
-
-    def held(kappa, stiffness):
-        """Moment that the tendon must give to hold a curvature, friction aside."""
-        elastic = kappa - left.rest - (left.snap[2] if state["snapped"] else 0.0)
-        elastic -= left.tube_knee[1] * max(kappa - left.tube_knee[0], 0.0)
-        elastic += left.closure[1] * max(kappa - left.closure[0], 0.0)
-        return stiffness * elastic - outside(kappa)
-
-    def pull(stretch):
-        if stretch <= 0.0:
-            return 0.0
-        force = truth.wire * stretch
-        knee, softer = left.wire_knee
-        return force if force <= knee else knee + (force - knee) / (1.0 + softer)
-
-    def slip(space, stiffness, gain, friction, low, high):
-        def balance(kappa):
-            return pull(space - shortening(kappa)) - gain * (held(kappa, stiffness) + friction) / arm
-
-        return brentq(balance, low, high, xtol=1e-9)
-
-    carriage = stroke[0]
-    kappa, creep, largest, before = left.rest, 0.0, earlier, time[0]
-    if left.tip_force or left.tilt:
-        kappa = brentq(lambda k: held(k, bending), -150.0, 150.0)
-    seen, tensions = np.empty(len(time)), np.empty(len(time))
-    lagged = None
+    segment = _Segment(truth, OUTER[outer], MIDDLE[middle], length + left.length_error)
+    curvature, tension, largest = np.empty(len(time)), np.empty(len(time)), earlier
+    creep, before, carriage = 0.0, time[0], stroke[0]
+    aged = 1.0 - np.exp(-time / left.drift[2])
     for row, (now, x1) in enumerate(zip(time, stroke, strict=True)):
         carriage = min(max(carriage, x1), x1 + left.gap)
         x = carriage + left.screw[0] * np.sin(2.0 * np.pi * carriage / SCREW + left.screw[1])
-        aged = 1.0 - np.exp(-now / left.drift[2])
-        stiffness = bending * (1.0 + left.drift[0] * aged)
-        for _ in range(6 if left.set_per_newton[0] or left.creep[0] else 1):
+        stiffness = segment.bending * (1.0 + left.drift[0] * aged[row])
+        for _ in range(6 if left.set_per_newton[0] else 1):
             slack = left.set_per_newton[0] * max(largest - left.set_per_newton[1], 0.0)
-            space = x - truth.deadband - slack - creep
-            for _ in range(3):
-                force = pull(space - shortening(kappa))
-                up = load_gain * (held(kappa, stiffness) + left.friction_moment) / arm
-                down = load_gain * left.release_ratio * (held(kappa, stiffness) - left.friction_moment) / arm
-                if force > up:
-                    kappa = slip(space, stiffness, load_gain, left.friction_moment, kappa, kappa + 300.0)
-                elif force < down:
-                    kappa = slip(space, stiffness, load_gain * left.release_ratio, -left.friction_moment, kappa - 300.0, kappa)
-                moment = held(kappa, stiffness)
-                if not state["snapped"] and moment > left.snap[0]:
-                    state["snapped"] = True
-                elif state["snapped"] and moment < left.snap[1]:
-                    state["snapped"] = False
-                else:
-                    break
-            force = pull(space - shortening(kappa))
+            force = segment.settle(x - truth.deadband - slack - creep, stiffness)
             largest = max(largest, force)
         if left.creep[0]:
-            share = 1.0 - np.exp(-(now - before) / left.creep[1])
-            creep += share * (left.creep[0] * force / truth.wire - creep)
-        value = kappa + left.bump[0] * np.exp(-0.5 * ((x1 - left.bump[1]) / left.bump[2]) ** 2)
-        if left.lag:
-            part = 1.0 - np.exp(-(now - before) / left.lag)
-            lagged = value if lagged is None else lagged + part * (value - lagged)
-            value = lagged
+            creep += (1.0 - np.exp(-(now - before) / left.creep[1])) * (left.creep[0] * force / truth.wire - creep)
         before = now
-        seen[row] = left.scale * (value + left.drift[1] * aged) + left.offset
-        tensions[row] = force
-    return seen, tensions, largest
+        curvature[row], tension[row] = segment.kappa, force
+    return _seen(left, curvature, aged, time, stroke), tension, largest
+
+
+def _seen(left: Left, curvature, aged, time, stroke):
+    """Return what the camera makes of the curvature."""
+    value = curvature + left.bump[0] * np.exp(-0.5 * ((stroke - left.bump[1]) / left.bump[2]) ** 2)
+    value += left.ripple[0] * np.sin(2.0 * np.pi * stroke / left.ripple[1])
+    if left.lag:
+        for row in range(1, value.size):
+            part = 1.0 - np.exp(-(time[row] - time[row - 1]) / left.lag)
+            value[row] = value[row - 1] + part * (value[row] - value[row - 1])
+    return left.scale * (value + left.drift[1] * aged) + left.offset
 
 
 def wrist(friction: float, tension, notches: int = 5, modulus: float = 45e9):
