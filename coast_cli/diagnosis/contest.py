@@ -7,7 +7,7 @@ Neural Computation 4 (1992) 415). Sets grow one effect at a time, only while an 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -16,7 +16,7 @@ import numpy as np
 from coast_cli.diagnosis.fit import Fit, fit
 from coast_cli.diagnosis.problem import Problem
 from coast_cli.effects.catalogue import CATALOGUE, in_order
-from coast_cli.effects.effect import Effect, Parameter, Scale
+from coast_cli.effects.effect import Effect, Need, Parameter, Scale
 from coast_cli.mechanics.section import FloatArray
 
 # Nats by which an effect must beat the set without it. Calibrated on simulated recordings, see examples/concealed.
@@ -169,16 +169,8 @@ def size_of(problem: Problem, larger: Hypothesis, smaller: Hypothesis) -> float:
 
 def applicable(problem: Problem) -> list[type[Effect]]:
     """Return the effects that could show in this recording at all."""
-    runs = problem.runs
-    have = {
-        "stroke": runs[0].stroke is not None,
-        "time": all(run.time is not None for run in runs),
-        "release": any(int(np.sum(run.direction < 0)) >= 3 for run in runs),
-        "pairs": len(problem.joints) > 1 or any(np.ptp(joint.middle.depth) > 0.0 for joint in problem.joints.values()),
-        "outer": any(joint.outer is not None for joint in problem.joints.values()),
-    }
     fixed = {effect.id for effect in problem.fixed_effects}
-    return [e for e in CATALOGUE.values() if e.id not in fixed and all(have.get(need, True) for need in e.needs)]
+    return [e for e in CATALOGUE.values() if e.id not in fixed and all(problem.holds.get(need, True) for need in e.needs)]
 
 
 def screen(
@@ -200,7 +192,7 @@ def screen(
     found: list[tuple[float, Effect]] = []
     for candidate in candidates:
         best: list[tuple[float, Effect]] = []
-        for start in starts_of(candidate, scales):
+        for start in starts_of(candidate, scales, problem.holds):
             effects = in_order((*parent.effects, start))
             moved = stacked(problem.fitted(problem.predict(parent.coordinates, effects)))
             change = moved - stacked((response, tension))
@@ -218,10 +210,15 @@ def screen(
     return [effect for _, effect in found]
 
 
-def starts_of(effect: type[Effect], scales: dict[Scale, float]) -> list[Effect]:
-    """Return the starts of an effect on a recording with these scales."""
+def starts_of(
+    effect: type[Effect], scales: dict[Scale, float], holds: Mapping[Need, bool] | None = None
+) -> list[Effect]:
+    """Return the starts of an effect on a recording with these scales, which ``holds`` what parameters need or not."""
     choices = [
-        [float(np.clip(start * scales[p.relative_to], p.low, p.high)) for start in p.starts] for p in effect.parameters
+        [p.null]
+        if p.needs is not None and holds is not None and not holds.get(p.needs, True)
+        else [float(np.clip(start * scales[p.relative_to], p.low, p.high)) for start in p.starts]
+        for p in effect.parameters
     ]
     names = [parameter.name for parameter in effect.parameters]
     return [effect(**dict(zip(names, chosen, strict=True))) for chosen in product(*choices)]
@@ -269,7 +266,8 @@ def _signed(effect: type[Effect]) -> bool:
 
 
 def _hypothesis(problem: Problem, fitted: Fit, scales: dict[Scale, float]) -> Hypothesis:
-    return Hypothesis(fitted, fitted.log_likelihood - _occam(problem, fitted, scales))
+    unlikely = sum(effect.unlikely for effect in fitted.effects)
+    return Hypothesis(fitted, fitted.log_likelihood - _occam(problem, fitted, scales) - unlikely)
 
 
 def _occam(problem: Problem, fitted: Fit, scales: dict[Scale, float]) -> float:

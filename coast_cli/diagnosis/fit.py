@@ -132,7 +132,7 @@ def fit(
     covariance = np.asarray(doubt * np.linalg.pinv(normal, hermitian=True), dtype=np.float64)
     prior = -0.5 * float(np.sum(_prior_residual(problem, vector) ** 2))
     margin = 1e-6 * (space.high - space.low)
-    touching = (vector <= space.low + margin) | (vector >= space.high - margin)
+    touching = ((vector <= space.low + margin) | (vector >= space.high - margin)) & (space.high > space.low)
     return Fit(
         effects=fitted,
         coordinates=coordinates,
@@ -158,8 +158,9 @@ def _space(problem: Problem, effects: tuple[Effect, ...]) -> _Space:
         reach[place] = 0.7 if own.logarithmic else max(own.prior, 1e-6)
     for effect in effects:
         for parameter, value in zip(effect.parameters, effect.values(), strict=True):
-            lows.append(parameter.low)
-            highs.append(parameter.high)
+            pinned = parameter.needs is not None and not problem.holds.get(parameter.needs, True)
+            lows.append(parameter.null if pinned else parameter.low)
+            highs.append(parameter.null if pinned else parameter.high)
             spread.append(max(abs(value), (parameter.high - parameter.low) * 1e-3))
             shape.append(parameter.role == "shape")
             reach.append(max(0.4 * abs(value), 0.05 * (parameter.high - parameter.low)) if shape[-1] else np.inf)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coast_cli.diagnosis.likelihood import NoiseBank
-from coast_cli.effects.effect import Effect, History, Scale
+from coast_cli.effects.effect import Effect, History, Need, Scale
 from coast_cli.effects.forward import Layout, Prediction, predict
 from coast_cli.mechanics.joint import Joint, curvature_from_stroke
 from coast_cli.mechanics.section import FloatArray
@@ -41,6 +41,10 @@ CONFIG_KEYS = {
 }
 _TRIVIAL = 1e-12
 _DIFFERENCES_MARGIN = 1.6
+_FEWEST_RELEASED = 3
+_SHORTEST_BRANCH = 5
+_RATES_DIFFER = 1.5
+_TRAVEL = 0.2  # of the range, for a branch to have a rate of its own
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,6 +120,19 @@ class Problem:
         """The earliest clock of the recording, s."""
         times = [float(run.time.min()) for run in self.runs if run.time is not None and run.time.size]
         return min(times, default=0.0)
+
+    @cached_property
+    def holds(self) -> dict[Need, bool]:
+        """What effects need of a recording, and whether it is there."""
+        tubes = [joint.middle for joint in self.joints.values()]
+        return {
+            "stroke": self.runs[0].stroke is not None,
+            "time": all(run.time is not None for run in self.runs),
+            "release": any(int(np.sum(run.direction < 0)) >= _FEWEST_RELEASED for run in self.runs),
+            "pairs": len(self.joints) > 1 or any(np.ptp(tube.depth) > 0.0 for tube in tubes),
+            "rates": _has_rates(self.runs),
+            "outer": any(joint.outer is not None for joint in self.joints.values()),
+        }
 
     @cached_property
     def _fitted_runs(self) -> tuple[JointRun, ...]:
@@ -346,6 +363,24 @@ def _given_bounds(config: Config, name: str) -> tuple[float, float] | None:
     table, key = CONFIG_KEYS[name].split(".")
     number = getattr(getattr(config, table), key)
     return (number.min, number.max) if isinstance(number, Calibrated) else None
+
+
+def _has_rates(runs: Sequence[JointRun]) -> bool:
+    """Return whether the drive moved at rates that differ, or held: at one rate a late answer looks like play."""
+    rates = []
+    for run in runs:
+        if run.time is None:
+            return False
+        for part in run.branches.parts:
+            if part.stop - part.start < _SHORTEST_BRANCH:
+                continue
+            if part.direction == 0:
+                return True
+            span = float(run.time[part.stop - 1] - run.time[part.start])
+            travel = abs(float(run.drive[part.stop - 1] - run.drive[part.start]))
+            if span > 0.0 and travel > _TRAVEL * float(np.ptp(run.drive)):
+                rates.append(travel / span)
+    return bool(rates) and max(rates) > _RATES_DIFFER * min(rates)
 
 
 def _screened(columns: Sequence[FloatArray], fitted: Sequence[bool]) -> tuple[list[Booleans], float]:

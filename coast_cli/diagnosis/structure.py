@@ -18,7 +18,7 @@ from coast_cli.diagnosis.problem import Problem
 from coast_cli.mechanics.section import FloatArray
 
 _MOST_SAMPLES = 300
-_WIDTHS = (0.25, 0.7)
+_WIDTHS = (0.07, 0.25, 0.7)
 
 
 @dataclass(frozen=True, slots=True)

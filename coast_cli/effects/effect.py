@@ -32,6 +32,7 @@ class Parameter:
         low, high: range outside which the value is not believed.
         starts: values from which a fit is started, as given or, with ``relative_to``, times that scale of the data.
         source: where the range comes from.
+        needs: what a recording must hold for this number to be looked for; elsewhere it stays at its null.
         role: "size" where the null makes the effect vanish, "shape" where it only says how it acts.
         relative_to: the largest of this in the recording is what ``starts`` are multiples of; empty for absolute.
     """
@@ -44,6 +45,7 @@ class Parameter:
     source: str
     relative_to: Scale = ""
     role: Literal["size", "shape"] = "size"
+    needs: Need | None = None
 
 
 # Shared by the effects that bend the segment at rest: whether the stroke is zeroed on the straight or the rest shape.
@@ -77,9 +79,9 @@ class History:
 class Effect:
     """Base of all effects: every stage is the identity.
 
-    ``reverses`` says that load and release follow different branches, ``varies_along`` that notches bend differently by
-    their place; ``needs`` what a recording must hold for the
-    effect to show at all; ``decided_by`` the recording that tells it from its look-alikes.
+    ``needs`` is what a recording must hold for the effect to show at all, ``unlikely`` the nats by which it starts behind
+    the others. ``reverses`` says that load and release follow different branches, ``varies_along`` that notches bend
+    differently by their place. ``decided_by`` is the recording that tells the effect from its look-alikes.
     """
 
     id: ClassVar[str]
@@ -91,6 +93,7 @@ class Effect:
     source: ClassVar[str]
     parameters: ClassVar[tuple[Parameter, ...]]
     needs: ClassVar[tuple[Need, ...]] = ()
+    unlikely: ClassVar[float] = 0.0
     reverses: ClassVar[bool] = False
     varies_along: ClassVar[bool] = False
     decided_by: ClassVar[str]

@@ -31,6 +31,7 @@ class Gravity(Effect):
         Parameter("share", 0.0, -1.5, 1.5, (0.5, -0.5), "sine of the plane's tilt, -1 to 1"),
         HOMED,
     )
+    unlikely = 2.0  # planes of bending are levelled before a recording
     varies_along = True
     decided_by = "the same sweep with the plane of bending turned over, and at two bending lengths"
 

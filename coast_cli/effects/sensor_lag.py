@@ -13,7 +13,10 @@ from coast_cli.mechanics.section import FloatArray
 
 @dataclass(frozen=True)
 class SensorLag(Effect):
-    """A first-order lag and a pure delay of the response; exposure and filters are the one, queues the other."""
+    """A first-order lag and a pure delay of the response; exposure and filters are the one, queues the other.
+
+    At one rate a delay is play to the letter, so it is looked for only where rates differ or the drive holds.
+    """
 
     time_constant_s: float = 0.0
     delay_s: float = 0.0
@@ -27,7 +30,7 @@ class SensorLag(Effect):
     source = "first-order lag of exposure and filtering, dead time of transfer and time stamps"
     parameters = (
         Parameter("time_constant_s", 0.0, 0.0, 30.0, (0.05, 0.2, 0.8, 3.0, 0.0), "frames to seconds"),
-        Parameter("delay_s", 0.0, 0.0, 30.0, (0.0, 0.1, 0.4, 1.5), "frames to seconds"),
+        Parameter("delay_s", 0.0, 0.0, 30.0, (0.0, 0.1, 0.4, 1.5), "frames to seconds", needs="rates"),
     )
     needs = ("time",)
     decided_by = "the same loading and release at two rates, ten times apart, ending in a hold"

@@ -9,7 +9,6 @@ import numpy as np
 from coast_cli.effects.effect import Effect, Parameter, Segment
 from coast_cli.mechanics.section import FloatArray
 
-
 _NO_JUMP = 1e-9  # 1/m
 
 

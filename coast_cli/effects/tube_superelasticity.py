@@ -30,7 +30,7 @@ class TubeSuperelasticity(Effect):
         ),
         Parameter("stiffness_lost", 0.0, 0.0, 0.98, (0.5,), "plateau slope 3 to 10 % of E"),
         Parameter(
-            "knee_width", 0.1, 0.01, 1.5, (0.15,),
+            "knee_width", 0.1, 0.01, 0.6, (0.15,),
             "relative to the knee; the strip yields from its edge", role="shape"
         ),
     )
