@@ -13,6 +13,7 @@ from coast_cli import __version__
 COMMANDS = {
     "rank-pairs": "coast_cli.cli.rank_pairs:rank_pairs",
     "explore": "coast_cli.cli.explore:explore",
+    "design": "coast_cli.cli.design:design",
     "stroke": "coast_cli.cli.stroke:stroke",
     "beam": "coast_cli.cli.beam:beam",
     "sensitivity": "coast_cli.cli.sensitivity:sensitivity",

@@ -91,7 +91,7 @@ class RoleSpace:
             natural_curvature=np.interp(values["depth_mm"], *self.measured),
             section=self.first.section,
         )
-        return replace(made, end_length=self._end_length(made))
+        return replace(made, end_length=self.end_length(made))
 
     def source(self, values: dict[str, FloatArray]) -> NDArray[np.str_]:
         """Return where each tube's natural curvature comes from."""
@@ -100,7 +100,8 @@ class RoleSpace:
         exact = np.min(np.abs(depth[:, None] - known), axis=1) <= _SAME_DEPTH
         return np.where(outside, "held", np.where(exact, "measured", "interpolated"))
 
-    def _end_length(self, made: TubePopulation) -> FloatArray | float:
+    def end_length(self, made: TubePopulation) -> FloatArray | float:
+        """Return the extra cut length of tubes of this role, m."""
         if self.first.end_effect == "none":
             return 0.0
         if self.first.end_effect != "table":
@@ -140,10 +141,15 @@ def space(config: Config) -> Space:
     """
     if config.explore is None:
         raise config.refuse((), "there is no [explore] table", hint="Run `coast explain explore` for what it holds.")
-    return Space(config, _role(config, config.explore, "outer"), _role(config, config.explore, "middle"))
+    return Space(config, role_space(config, config.explore, "outer"), role_space(config, config.explore, "middle"))
 
 
-def _role(config: Config, explore: Explore, role: Role) -> RoleSpace:
+def role_space(config: Config, explore: Explore, role: Role) -> RoleSpace:
+    """Return the space of one role.
+
+    Raises:
+        BadInput: a depth lies outside the measured samples and that is not allowed.
+    """
     samples, tube = bench_tubes(config, role), explore.outer if role == "outer" else explore.middle
     depths = np.array([np.mean(sample.depth_mm) for sample in samples])
     order = np.argsort(depths, kind="stable")

@@ -78,6 +78,18 @@ COLUMNS: dict[str, dict[str, str]] = {
         "score": "root of the sum of squares of the objectives, each scaled to 0..1 over the front",
         "dominates_joint_pair": "better than joint.pair in one objective and no worse in any",
     },
+    "design": {
+        "kind": "target: a figure that is wanted; variable: what changes for it",
+        "name": "the figure, or the variable",
+        "start": "value of the starting pair",
+        "wanted": "value that is wanted",
+        "value": "value of the design",
+        "low": "lower end of the variable's range",
+        "high": "upper end",
+        "at_bound": "whether the design is at an end of the range",
+        "determined": "whether the targets leave no other value near it; no value where they are out of reach",
+        "change_per_percent": "by how much the variable changes where the targets change by 1 % (root of sum of squares)",
+    },
     "tolerance": {
         "kind": "figure: its distribution; check: its chance; first: of a pair to rank first; index: of an input",
         "name": "the figure, the check (all: every one; impossible: not a pair at all) or the pair",
