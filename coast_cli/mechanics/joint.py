@@ -154,7 +154,8 @@ def curvature_from_stroke(joint: Joint, stroke_length: ArrayLike, bending_length
     kappa = wanted / (stretch + length * joint.lever_arm)
     count = length / joint.pitch
     steps, error = 0, np.inf
-    for steps in range(1, _MOST_STEPS + 1):
+    while steps < _MOST_STEPS:
+        steps += 1
         half = kappa * joint.pitch / 2.0
         slope = stretch + count * joint.pitch * (
             joint.lever_arm * np.cos(half) - joint.cut / 2.0 * _sinc_slope(half)
