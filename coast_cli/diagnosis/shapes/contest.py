@@ -24,6 +24,8 @@ Key = frozenset[tuple[str, float]]
 _FITTED_SINGLES = 9
 _FITTED_NEXT = 4
 _GROWN_FROM = 2
+_FINISHED = 2
+_FAR_BEHIND = 25.0  # nats of plain error
 _WORTH_GROWING = 4.0
 _WORTH_FITTING = 1.0
 # An effect that is named changes the fit by at least this share of what the base model leaves.
@@ -100,16 +102,27 @@ def run_contest(problem: Problem, level: float, most_effects: int = 5) -> Contes
 def _grow(
     problem: Problem, parent: Hypothesis, level: float, tried: dict[Key, Hypothesis], most: int
 ) -> list[Hypothesis]:
-    """Fit the set with each of the most promising effects added, put them into ``tried`` and return the new ones."""
-    grown = []
+    """Fit the set with each of the most promising effects added, put them into ``tried`` and return the new ones.
+
+    All start the race; those that a few steps leave far behind are not finished.
+    """
+    loose = max(level, 0.3 * parent.fit.rmse)
+    started = []
     for effect in screen(problem, parent.fit, level)[:most]:
-        key = parent.fit.key | {label(effect)}
-        if key in tried:
-            continue
-        effects = in_order((*parent.fit.effects, effect))
-        fitted = fit(problem, effects, parent.fit.coordinates, level=max(level, 0.3 * parent.fit.rmse), steps=8)
-        tried[key] = _hypothesis(problem, fitted)
-        grown.append(tried[key])
+        if parent.fit.key | {label(effect)} not in tried:
+            effects = in_order((*parent.fit.effects, effect))
+            started.append(fit(problem, effects, parent.fit.coordinates, level=loose, steps=4, polish=False))
+    if not started:
+        return []
+    behind = problem.size * np.log(np.array([max(one.rmse, 1e-300) for one in started]))
+    order = np.argsort(behind)
+    grown = []
+    for place in order:
+        if place in order[:_FINISHED] or behind[place] < behind[order[0]] + _FAR_BEHIND:
+            one = started[place]
+            finished = fit(problem, one.effects, one.coordinates, level=min(loose, max(one.evidence.level, level)), steps=6)
+            tried[finished.key] = _hypothesis(problem, finished)
+            grown.append(tried[finished.key])
     return grown
 
 

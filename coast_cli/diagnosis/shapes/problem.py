@@ -57,13 +57,13 @@ class Problem:
     """Photographs, ready to be fitted.
 
     Attributes:
-        forward: the model. base: free parameters. train: for each photograph which points are fitted, (n,).
+        forward: the model. calibratable: numbers that photographs can free. train: which points of each are fitted, (n,).
         numbers: natural curvature (towards its own side, 1/m) and modulus (Pa) as configured, by tube number.
         fixed_effects: corrections that the configuration already carries.
     """
 
     forward: Forward
-    base: tuple[BaseParameter, ...]
+    calibratable: tuple[BaseParameter, ...]
     train: tuple[Booleans, ...]
     modulus: Mapping[int, float]
     natural: Mapping[int, float]
@@ -74,6 +74,13 @@ class Problem:
     def photographs(self) -> tuple[Photograph, ...]:
         """The photographs."""
         return self.forward.photographs
+
+    @cached_property
+    def base(self) -> tuple[BaseParameter, ...]:
+        """The free parameters: of tubes that are fitted; those of tubes held out stay as configured."""
+        pairs = zip(self.photographs, self.train, strict=True)
+        fitted = {number for photograph, train in pairs if train.any() for number, _ in photograph.tubes}
+        return tuple(parameter for parameter in self.calibratable if fitted & set(parameter.tubes))
 
     @cached_property
     def scene(self) -> Scene:
@@ -193,7 +200,7 @@ def build_problem(config: Config, runs: Sequence[ShapeRun]) -> Problem:
     alone = {photograph.tubes[0][0] for photograph in taken if not photograph.is_pair}
     return Problem(
         forward=Forward(taken, design.gravity),
-        base=(*_moduli(config, seen), *_curvatures(config, alone, natural, {n: t.length for n, t in tubes.items()})),
+        calibratable=(*_moduli(config, seen), *_curvatures(config, alone, natural, {n: t.length for n, t in tubes.items()})),
         train=tuple(np.ones(len(run), dtype=bool) for run in runs),
         modulus={number: tube.youngs_modulus for number, tube in tubes.items()},
         natural=natural,
