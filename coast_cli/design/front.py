@@ -54,7 +54,6 @@ class Front:
             rows = rows[~beaten]
         if rows.size == 0:
             return
-        rows = rows[undominated(costs[rows])]
         together = costs[rows] if self.costs is None else np.concatenate((self.costs, costs[rows]))
         keep = undominated(together)
         self.costs = together[keep]

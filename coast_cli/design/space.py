@@ -25,6 +25,7 @@ Source = Literal["measured", "interpolated", "held"]
 KEYS = ("depth_mm", "cut_mm", "uncut_mm", "count", "outer_diameter_mm", "inner_diameter_mm")
 _SAME_DEPTH = 1e-9  # mm
 _WHOLE = 1e-9  # pitches
+_DECIMALS = 9  # of a millimetre, so that steps print as they were meant
 
 
 @dataclass(frozen=True)
@@ -60,7 +61,8 @@ class RoleSpace:
                 found[key] = span.min + share * (span.max - span.min)
             else:
                 steps = np.floor((span.max - span.min) / span.step + _WHOLE)
-                found[key] = span.min + np.minimum(np.floor(share * (steps + 1.0)), steps) * span.step
+                stepped = span.min + np.minimum(np.floor(share * (steps + 1.0)), steps) * span.step
+                found[key] = np.round(stepped, _DECIMALS)
         if self.tube.length_mm is not None:
             found["count"] = np.floor(self.tube.length_mm / (found["cut_mm"] + found["uncut_mm"]) + _WHOLE)
         return found
