@@ -1,0 +1,111 @@
+"""What every effect of shapes owes: it declares itself, its null changes nothing, its whole range answers, it shows."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from coast_cli.diagnosis.shapes.problem import Problem, build_problem
+from coast_cli.effects.catalogue import build_effects
+from coast_cli.effects.corrections import correction_parameters
+from coast_cli.effects.shapes.catalogue import SHAPE_CATALOGUE, build_shape_effects, in_order
+from coast_cli.effects.shapes.effect import TUBE, ShapeEffect
+from coast_cli.errors import BadInput
+from coast_cli.recordings.model import ShapeRun
+from coast_cli.spec.load import load_config_text
+
+CONFIG = """
+version = 1
+[materials.nitinol]
+youngs_modulus_gpa = 45.0
+density_kg_per_m3 = 6450.0
+[outer]
+material = "nitinol"
+outer_diameter_mm = 0.5
+inner_diameter_mm = 0.4
+notch = { cut_mm = 0.3, uncut_mm = 0.3, count = 90 }
+samples = [{ name = "O", depth_mm = 0.35, natural_curvature_per_m = 3.0 }]
+[middle]
+material = "nitinol"
+outer_diameter_mm = 0.36
+inner_diameter_mm = 0.28
+notch = { cut_mm = 0.3, uncut_mm = 0.3, count = 90 }
+samples = [{ name = "M", depth_mm = 0.26, natural_curvature_per_m = 6.0 }]
+"""
+
+
+def _run(name: str, outer: str | None, middle: str | None) -> ShapeRun:
+    x = np.linspace(0.0, 54e-3, 60)
+    return ShapeRun(name, "shapes.csv", np.arange(60), outer, middle, x, 1e-3 * np.sin(x / 0.05), "up")
+
+
+@pytest.fixture(scope="module")
+def problem() -> Problem:
+    runs = [_run("o", "O", None), _run("m", None, "M"), _run("p", "O", "M")]
+    return build_problem(load_config_text(CONFIG, "tubes.toml"), runs)
+
+
+@pytest.fixture(params=SHAPE_CATALOGUE.values(), ids=SHAPE_CATALOGUE.keys())
+def effect(request) -> type[ShapeEffect]:
+    return request.param
+
+
+def test_it_declares_itself(effect):
+    for text in (effect.title, effect.component, effect.equation, effect.source, effect.decided_by):
+        assert len(text) > 3
+    assert effect.kind in ("physics", "sensor", "parameter")
+    for parameter in effect.parameters:
+        assert parameter.low <= parameter.null <= parameter.high
+        assert parameter.source
+    assert set(effect.expected) <= {parameter.name for parameter in effect.fitted()}
+
+
+def test_its_null_changes_nothing(problem, effect):
+    clean = problem.residual(problem.configured())
+    homogenised = 2e-7 if effect.is_local else 1e-9  # a local effect is solved notch by notch, the rest is not
+    assert problem.residual(problem.configured(), (effect.null(),)) == pytest.approx(clean, abs=homogenised)
+
+
+def test_its_whole_range_answers(problem, effect):
+    random = np.random.default_rng(5)
+    for _ in range(8):
+        share = random.uniform(size=len(effect.fitted()))
+        values = np.array([p.low + s * (p.high - p.low) for p, s in zip(effect.fitted(), share, strict=True)])
+        assert np.all(np.isfinite(problem.residual(problem.configured(), (effect.null().with_fitted(values),))))
+
+
+def test_its_starts_show_and_lie_in_range(problem, effect):
+    clean = problem.residual(problem.configured())
+    starts = effect.starts(problem.scene)
+    assert starts
+    for parameter in effect.parameters:
+        assert all(parameter.low <= getattr(start, parameter.name) <= parameter.high for start in starts)
+    assert max(np.max(np.abs(problem.residual(problem.configured(), (start,)) - clean)) for start in starts[:6]) > 1e-7
+    assert np.all(effect.widths(problem.scene) > 0.0)
+
+
+def test_what_sits_on_one_tube_leaves_the_others(problem):
+    tilted = [e for e in SHAPE_CATALOGUE.values() if TUBE in e.parameters]
+    assert len(tilted) == 3
+    for effect in tilted:
+        start = next(s for s in effect.starts(problem.scene) if s.tube == 2.0)
+        assert problem.touched(start) == [1, 2]
+
+
+def test_effects_act_in_one_order():
+    some = [SHAPE_CATALOGUE[name].null() for name in ("camera_scale", "base_tilt", "notch_depth_error")]
+    assert [effect.id for effect in in_order(some)] == ["notch_depth_error", "base_tilt", "camera_scale"]
+
+
+def test_a_corrections_table_serves_joints_and_shapes():
+    table = {"base_tilt": {"angle_deg": 2.0}, "backlash": {"width_mm": 0.2}, "gravity": {"in_plane_share": 0.9}}
+    assert [effect.id for effect in build_effects(table)] == ["backlash"]
+    assert [effect.id for effect in build_shape_effects(table)] == ["base_tilt", "gravity"]
+    assert {"base_tilt", "backlash"} <= set(correction_parameters())
+
+
+@pytest.mark.parametrize("table", [{"base_tild": {"angle_deg": 1.0}}, {"base_tilt": {"angle": 1.0}},
+                                   {"base_tilt": {"angle_deg": 99.0}}])  # fmt: skip
+def test_a_wrong_correction_is_refused(table):
+    with pytest.raises(BadInput):
+        build_effects(table)
