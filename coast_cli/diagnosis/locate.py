@@ -136,7 +136,8 @@ def _groups(samples: _Samples) -> Iterator[tuple[str, NDArray[np.bool_]]]:
                 yield axis, names == name
     for axis, values in samples.continuous.items():
         edges = np.unique(np.quantile(values, np.linspace(0.0, 1.0, _BINS + 1)))
-        if edges.size < 3 or np.ptp(values) < _EVEN * np.max(np.abs(values)):
+        usual = np.quantile(values, (0.1, 0.9))
+        if edges.size < 3 or usual[1] - usual[0] < _EVEN * np.max(np.abs(values)):
             continue
         place = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, edges.size - 2)
         for first in range(edges.size - 1):
