@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from coast_cli.design.explore import (
     CHUNK,
@@ -28,7 +29,8 @@ from coast_cli.design.work import in_order
 from coast_cli.spec.config import Config
 
 Row = dict[str, Any]
-Save = Callable[[Columns, Mapping[str, Any]], None]
+Save = Callable[[Columns, Mapping[str, NDArray[Any]]], None]
+_COUNTS = ("pairs", "impossible", "passing")
 _CURVATURE_NOTE = (
     "natural curvature is that of the depth alone, linear between the measured samples; what cut, uncut and diameters do "
     "to it was not measured."
@@ -40,7 +42,7 @@ class Beginning:
     """What an earlier, interrupted run has done: its blocks, and the state it saved with the last."""
 
     blocks: int = 0
-    state: Mapping[str, Any] = field(default_factory=dict)
+    state: Mapping[str, NDArray[Any]] = field(default_factory=dict)
 
 
 def explore(
@@ -64,7 +66,7 @@ def explore(
         BadInput: no tube of the ranges can be made, or no pair of them goes together.
     """
     rounds = 0 if config.explore is None else config.explore.refinements
-    blocks, front, counts = tasks(text, config.source, chunk), Front(), {"pairs": 0, "impossible": 0, "passing": 0}
+    blocks, front, counts = tasks(text, config.source, chunk), Front(), dict.fromkeys(_COUNTS, 0)
     if beginning.blocks:
         front, counts = _restored(beginning.state)
     for block in in_order(*executor, explore_block, blocks[beginning.blocks :]):
@@ -77,7 +79,7 @@ def explore(
         message = "the ranges hold no pair that can be made and assembled: walls, notch depths and nesting rule out all"
         raise config.refuse(("explore",), message)
     sampled = front.size
-    tried = {"pairs": 0, "impossible": 0, "passing": 0}
+    tried = dict.fromkeys(_COUNTS, 0)
     for number in range(1, rounds + 1):
         found = refine(text, config.source, front, number)
         if found is not None:
@@ -99,15 +101,16 @@ def _count(block: Block, counts: dict[str, int]) -> None:
     counts["passing"] += int(np.count_nonzero(block.columns["passes"])) if pairs else 0
 
 
-def _saved(front: Front, counts: Mapping[str, int]) -> dict[str, Any]:
-    costs = [] if front.costs is None else front.costs.tolist()
-    return {"counts": dict(counts), "costs": costs, "columns": {k: v.tolist() for k, v in front.columns.items()}}
+def _saved(front: Front, counts: Mapping[str, int]) -> dict[str, NDArray[Any]]:
+    known = {f"front.{name}": column for name, column in front.columns.items()}
+    costs = {} if front.costs is None else {"costs": front.costs}
+    return {"counts": np.array([counts[name] for name in _COUNTS]), "thinned": np.array(front.thinned), **costs, **known}
 
 
-def _restored(state: Mapping[str, Any]) -> tuple[Front, dict[str, int]]:
-    known = {name: np.array(values, dtype=float) for name, values in state["columns"].items()}
-    front = Front(np.array(state["costs"], dtype=float), known) if state["costs"] else Front()
-    return front, dict(state["counts"])
+def _restored(state: Mapping[str, NDArray[Any]]) -> tuple[Front, dict[str, int]]:
+    known = {name.removeprefix("front."): column for name, column in state.items() if name.startswith("front.")}
+    counts = dict(zip(_COUNTS, state["counts"].tolist(), strict=True))
+    return Front(state.get("costs"), known, bool(state["thinned"])), counts
 
 
 def _rows(config: Config, text: str, front: Front) -> list[Row]:
@@ -148,6 +151,8 @@ def _notes(
         f"front: {sampled} pairs as sampled, {front.size} after {tried['pairs']} more were tried round it.",
         _CURVATURE_NOTE,
     ]
+    if front.thinned:
+        notes.append("the front grew too long: of near neighbours one stands for all.")
     known = joint_pair_figures(text, config.source)
     if known is not None and front.costs is not None:
         count = sum(bool(value) for value in _dominating(config, text, front.costs))

@@ -12,6 +12,7 @@ from coast_cli.design.rank import pareto
 from coast_cli.mechanics.section import FloatArray
 
 _SCOUTS = 64  # members of the front that newcomers meet first; they turn most away
+MOST = 20_000  # members, which bounds memory; past it near neighbours are thinned out
 
 
 def undominated(costs: FloatArray) -> NDArray[np.bool_]:
@@ -31,12 +32,32 @@ def undominated(costs: FloatArray) -> NDArray[np.bool_]:
     return best
 
 
+def thinned(costs: FloatArray) -> NDArray[np.int64]:
+    """Return at most half of ``MOST`` rows, in order: the first of each box of an even grid over the costs.
+
+    So a front is known to within one box (Laumanns et al., Evolutionary Computation 10, 2002).
+    """
+    low, size = costs.min(axis=0), np.ptp(costs, axis=0)
+    share = (costs - low) / np.where(size > 0.0, size, 1.0)
+    boxes = 4096
+    while True:
+        _, first = np.unique(np.floor(share * boxes).astype(np.int64), axis=0, return_index=True)
+        if first.size <= MOST // 2:
+            return np.sort(first)
+        boxes //= 2
+
+
 @dataclass
 class Front:
-    """The undominated designs so far: costs, shape (n, k), and columns of what is known of them, in order of arrival."""
+    """The undominated designs so far, in order of arrival.
+
+    Attributes:
+        costs: shape (n, k). columns: what is known of each. thinned: whether near neighbours were left out.
+    """
 
     costs: FloatArray | None = None
     columns: dict[str, NDArray[np.generic]] = field(default_factory=dict)
+    thinned: bool = False
 
     @property
     def size(self) -> int:
@@ -55,7 +76,9 @@ class Front:
         if rows.size == 0:
             return
         together = costs[rows] if self.costs is None else np.concatenate((self.costs, costs[rows]))
-        keep = undominated(together)
+        keep = np.flatnonzero(undominated(together))
+        if keep.size > MOST:
+            keep, self.thinned = keep[thinned(together[keep])], True
         self.costs = together[keep]
         self.columns = {
             name: (np.concatenate((self.columns[name], values[rows])) if self.columns else values[rows])[keep]

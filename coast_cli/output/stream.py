@@ -1,6 +1,6 @@
 """A long CSV written block by block: interrupted, it keeps what is done, and a rerun goes on from there.
 
-Until it is whole the file has ``.part`` at its end, with a ``.part.json`` beside it that says what it was made from, how
+Until it is whole the file has ``.part`` at its end, with a ``.part.npz`` beside it that says what it was made from, how
 many blocks and bytes of it count, and what the next block must know. Both end in the finished file.
 """
 
@@ -12,9 +12,15 @@ import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import IO, Any
+from zipfile import BadZipFile
+
+import numpy as np
+from numpy.typing import NDArray
 
 from coast_cli.errors import UsageError
 from coast_cli.output.atomic import write_files
+
+_NOTE = "note"
 
 
 class CsvStream:
@@ -37,7 +43,7 @@ class CsvStream:
         if path.exists() and not overwrite:
             raise UsageError(f"{path}: the file exists; give another name, or --overwrite.")
         self.path, self.identity = path, identity
-        self.part, self.note = (path.with_name(f"{path.name}.part{suffix}") for suffix in ("", ".json"))
+        self.part, self.note = (path.with_name(f"{path.name}.part{suffix}") for suffix in ("", ".npz"))
         self.blocks, self.state = 0, dict[str, Any]()
         try:
             size = self._resume()
@@ -48,16 +54,18 @@ class CsvStream:
     def _resume(self) -> int:
         """Return how many bytes of an earlier run count, and cut off what came after them."""
         try:
-            note = json.loads(self.note.read_text(encoding="utf-8"))
-        except (OSError, ValueError):
+            with np.load(self.note, allow_pickle=False) as saved:
+                state = dict(saved)
+            note = json.loads(str(state.pop(_NOTE)))
+        except (OSError, ValueError, KeyError, BadZipFile):
             return 0
         if note.get("identity") != self.identity or not self.part.is_file() or self.part.stat().st_size < note["bytes"]:
             return 0
         os.truncate(self.part, note["bytes"])
-        self.blocks, self.state = note["blocks"], note["state"]
+        self.blocks, self.state = note["blocks"], state
         return int(note["bytes"])
 
-    def write(self, columns: Mapping[str, Any], state: Mapping[str, Any]) -> None:
+    def write(self, columns: Mapping[str, Any], state: Mapping[str, NDArray[Any]]) -> None:
         """Append a block of rows and save what goes with it.
 
         Raises:
@@ -71,8 +79,9 @@ class CsvStream:
                 writer.writerows(zip(*(_texts(column) for column in columns.values()), strict=True))
             self._stream.flush()
             self.blocks += 1
-            note = {"identity": self.identity, "blocks": self.blocks, "bytes": self._stream.tell(), "state": dict(state)}
-            write_files({self.note: lambda stream: json.dump(note, stream)})
+            note = json.dumps({"identity": self.identity, "blocks": self.blocks, "bytes": self._stream.tell()})
+            saved: dict[str, Any] = {_NOTE: np.array(note), **state}
+            write_files({self.note: lambda stream: np.savez(stream, **saved)}, binary=True)
         except (OSError, UsageError) as error:
             reason = error.strerror if isinstance(error, OSError) else error
             raise UsageError(

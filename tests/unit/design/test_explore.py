@@ -1,7 +1,5 @@
 """Exploring: the front against brute force, streams that resume, the same answer whoever does the work."""
 
-import json
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -95,6 +93,21 @@ def test_a_front_that_grows_is_the_front_of_all(costs):
     np.testing.assert_array_equal(np.sort(front.columns["row"]), np.flatnonzero(undominated(costs)))
 
 
+def test_a_front_too_long_is_thinned_evenly(monkeypatch):
+    """A quarter circle, all of it undominated: what is left is as close everywhere, and nothing kept is dominated."""
+    monkeypatch.setattr("coast_cli.design.front.MOST", 200)
+    angle = np.random.default_rng(0).uniform(0.0, np.pi / 2.0, 5000)
+    costs = np.stack((1.0 - np.cos(angle), 1.0 - np.sin(angle)), axis=1)
+    front = Front()
+    for part in np.array_split(np.arange(5000), 7):
+        front.add(costs[part], {"row": part})
+    assert front.thinned
+    assert 50 <= front.size <= 200
+    assert undominated(front.costs).all()
+    nearest = np.linalg.norm(costs[:, None] - front.costs, axis=2).min(axis=1)
+    assert nearest.max() < 2.0 * 2.0**0.5 / 50  # at most two boxes
+
+
 def test_a_grid_is_brute_force(reference_text):
     text = text_with(reference_text, GRID)
     rows, _ = run(text)
@@ -163,12 +176,12 @@ def test_an_interrupted_exploration_goes_on_where_it_was(reference_text):
     kept = []
     whole = run(text, chunk=16, save=lambda columns, state: kept.append((columns, state)))
     assert len(kept) == 16
-    state = json.loads(json.dumps(kept[6][1]))
     rest = []
-    resumed = run(text, chunk=16, beginning=Beginning(7, state), save=lambda columns, state: rest.append((columns, state)))
+    resumed = run(text, chunk=16, beginning=Beginning(7, kept[6][1]), save=lambda columns, state: rest.append((columns, state)))
     assert resumed == whole
     assert len(rest) == 9
-    assert json.dumps(rest[-1][1]) == json.dumps(kept[-1][1])
+    ends = [{name: column.tolist() for name, column in saved[-1][1].items()} for saved in (rest, kept)]
+    assert ends[0] == ends[1]
 
 
 def test_processes_give_the_same_blocks(reference_text):
