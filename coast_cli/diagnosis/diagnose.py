@@ -236,7 +236,9 @@ class _Judge:
                 "the same sweep twice, unchanged, then at half the rate and at another bending length, "
                 "with time and tension recorded"
             )
-        return _untested(self.problem) if verdict in ("agrees", "parameters") else ""
+        if verdict in ("physics", "sensor"):
+            return CATALOGUE[_by_importance(self.problem, self.contest)[0]].decided_by
+        return _untested(self.problem)
 
     def _notes(self) -> tuple[str, ...]:
         runs, notes = self.problem.runs, []
