@@ -80,7 +80,10 @@ def _dask(address: str) -> Iterator[tuple[Executor, int]]:
     except (OSError, ValueError, TimeoutError):
         raise UsageError(f"--cluster {address}: no dask scheduler answers there.") from None
     with client:
-        client.wait_for_workers(1, timeout=_CONNECT_SECONDS)
+        try:
+            client.wait_for_workers(1, timeout=_CONNECT_SECONDS)
+        except TimeoutError:
+            raise UsageError(f"--cluster {address}: the scheduler has no workers.") from None
         window = _AHEAD * max(sum(client.nthreads().values()), 1)
         executor = client.get_executor(pure=False)
         try:
