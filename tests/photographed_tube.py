@@ -81,19 +81,20 @@ def shape(bench: Bench, up: bool, points: int = 120) -> tuple[np.ndarray, np.nda
         off = (s - bench.soft_at) / SOFT_WIDTH
         return bench.soft_angle_per_moment * math.exp(-0.5 * off * off) / SOFT_WIDTH / math.sqrt(2.0 * math.pi)
 
+    def slope(s: float, compliance: float, beyond: float, angle: float, moment: float) -> tuple[float, float, float, float]:
+        natural = side * (bench.natural + bench.gradient * (s - LENGTH / 2.0))
+        curvature = natural - (compliance + added(s)) * moment
+        return curvature, -beyond * math.cos(angle), math.cos(angle), math.sin(angle)
+
     def march(moment: float) -> list[tuple[float, float, float, float, float]]:
         s, angle, x, y, beyond = 0.0, bench.tilt, 0.0, 0.0, total + bench.tip_force
         line = [(s, angle, moment, x, y)]
         for h, compliance, weight in steps:
-            def slope(at: float, turned: float, bent: float) -> tuple[float, float, float, float]:
-                natural = side * (bench.natural + bench.gradient * (s + at - LENGTH / 2.0))
-                curvature = natural - (compliance + added(s + at)) * bent
-                return curvature, -(beyond - weight * at) * math.cos(turned), math.cos(turned), math.sin(turned)
-
-            one = slope(0.0, angle, moment)
-            two = slope(h / 2, angle + h / 2 * one[0], moment + h / 2 * one[1])
-            three = slope(h / 2, angle + h / 2 * two[0], moment + h / 2 * two[1])
-            four = slope(h, angle + h * three[0], moment + h * three[1])
+            half = beyond - weight * h / 2
+            one = slope(s, compliance, beyond, angle, moment)
+            two = slope(s + h / 2, compliance, half, angle + h / 2 * one[0], moment + h / 2 * one[1])
+            three = slope(s + h / 2, compliance, half, angle + h / 2 * two[0], moment + h / 2 * two[1])
+            four = slope(s + h, compliance, beyond - weight * h, angle + h * three[0], moment + h * three[1])
             angle, moment, x, y = (
                 value + h / 6 * (a + 2 * b + 2 * c + d)
                 for value, a, b, c, d in zip((angle, moment, x, y), one, two, three, four, strict=True)

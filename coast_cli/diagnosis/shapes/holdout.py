@@ -31,7 +31,7 @@ def hold_out_photographs(photographs: Sequence[Photograph], named: Sequence[str]
         return _whole(photographs, set(named), "the runs named", chosen=False)
     spared = _expendable(photographs) if len(photographs) >= 3 else set()
     if spared:
-        rule = "the last photographs whose tube and side up others also show, a quarter at most"
+        rule = "photographs taken twice, a quarter at most, else the last whose tube and side up others also show"
         return _whole(photographs, spared, rule, chosen=True)
     rows = []
     for photograph in photographs:
@@ -48,17 +48,19 @@ def _whole(photographs: Sequence[Photograph], names: set[str], rule: str, *, cho
 
 
 def _expendable(photographs: Sequence[Photograph]) -> set[str]:
-    """Return photographs of tubes that stay in another, with both sides up still shown."""
+    """Return photographs that were taken twice, a quarter at most; else one whose tube and side up others still show."""
     wanted = max(1, len(photographs) // 4)
-    kept, found = list(photographs), set[str]()
-    for photograph in reversed(photographs):
-        others = [other for other in kept if other is not photograph]
-        conditions = set().union(*map(_conditions, others)) if others else set()
-        if len(found) < wanted and len(others) >= 2 and _conditions(photograph) <= conditions:
-            kept = others
-            found.add(photograph.run.name)
-    return found
+    shown = [_view(photograph) for photograph in photographs]
+    found = [p.run.name for place, p in enumerate(photographs) if shown[place] in shown[:place]]
+    if found:
+        return set(found[-wanted:])
+    for place in reversed(range(len(photographs))):
+        others = shown[:place] + shown[place + 1 :]
+        tubes, upward = shown[place]
+        if tubes in {other for other, _ in others} and upward in {side for _, side in others}:
+            return {photographs[place].run.name}
+    return set()
 
 
-def _conditions(photograph: Photograph) -> set[tuple[str, object]]:
-    return {("tubes", tuple(number for number, _ in photograph.tubes)), ("up", photograph.upward)}
+def _view(photograph: Photograph) -> tuple[tuple[int, ...], float]:
+    return tuple(number for number, _ in photograph.tubes), photograph.upward
