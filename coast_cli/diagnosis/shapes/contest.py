@@ -88,7 +88,7 @@ def run_contest(problem: Problem, level: float, most_effects: int = 5) -> Contes
         frontier = grown[:_GROWN_FROM]
         if grown[0].fit.rmse < max(1.12 * level, _EXPLAINED * base.fit.rmse):
             break
-    leading = _lead(tried)
+    leading = _lead(problem, tried)
     for effect in leading.fit.effects if len(leading.ids) > 1 else ():
         rest = tuple(other for other in leading.fit.effects if other is not effect)
         key = leading.fit.key - {label(effect)}
@@ -96,7 +96,7 @@ def run_contest(problem: Problem, level: float, most_effects: int = 5) -> Contes
             tried[key] = _hypothesis(problem, fit(problem, rest, leading.fit.coordinates, level=level, steps=8))
         _grow(problem, tried[key], level, tried, _FITTED_NEXT)
     ranked = sorted(tried.values(), key=lambda hypothesis: -hypothesis.score)
-    return Contest(base, tuple(ranked), _lead(tried))
+    return Contest(base, tuple(ranked), _lead(problem, tried))
 
 
 def _grow(
@@ -132,21 +132,23 @@ def _plain_error(problem: Problem, hypothesis: Hypothesis) -> float:
     return problem.size * float(np.log(max(hypothesis.fit.rmse, 1e-300))) + parameters
 
 
-def _lead(tried: dict[Key, Hypothesis]) -> Hypothesis:
+def _lead(problem: Problem, tried: dict[Key, Hypothesis]) -> Hypothesis:
     """Return the set with the most evidence once every effect has paid, in which each is large enough to name."""
     order = sorted(tried.values(), key=lambda h: h.score - THRESHOLD * len(h.ids), reverse=True)
     for hypothesis in order:
         key = hypothesis.fit.key
         smaller = [other for other_key, other in tried.items() if other_key < key and len(other_key) == len(key) - 1]
         least = max(SMALLEST * hypothesis.fit.evidence.level, _LEAST_PART * tried[frozenset()].fit.rmse)
-        if all(change_of(hypothesis, other) >= least for other in smaller):
+        if all(change_of(problem, hypothesis, other) >= least for other in smaller):
             return hypothesis
     return tried[frozenset()]
 
 
-def change_of(one: Hypothesis, other: Hypothesis) -> float:
-    """Return by how much two fits differ, m RMS."""
-    return float(np.sqrt(np.mean((one.fit.residual - other.fit.residual) ** 2)))
+def change_of(problem: Problem, one: Hypothesis, other: Hypothesis) -> float:
+    """Return by how much two fits differ, m RMS: of all residuals, or of those along the line, which are few."""
+    change = (one.fit.residual - other.fit.residual) ** 2
+    along = float(np.mean(change[problem.along])) if problem.along.any() else 0.0
+    return float(np.sqrt(max(float(np.mean(change)), along)))
 
 
 def screen(problem: Problem, parent: Fit, level: float) -> list[ShapeEffect]:

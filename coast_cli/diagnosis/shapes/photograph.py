@@ -29,7 +29,7 @@ _BACKWARD = 6.0  # noise levels
 _WIDEST_GAP = 0.25  # of the tube
 _LENGTHS = (0.75, 1.35)  # recorded over configured
 _CLAMP = 0.03  # of the tube
-_RING_SPACING = 0.06
+_RING_SPACING = 0.08  # of a pitch
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +85,7 @@ def _photograph(design: Design, numbers: dict[str, int], run: ShapeRun) -> Photo
     rings = _ring_middles(tubes, len(run))
     at = np.clip(arc * (length / recorded), 0.0, length)
     placed = np.zeros(len(run), dtype=bool)
-    if rings is not None and np.max(np.abs(arc - rings)) < _RING_SPACING * length:
+    if rings is not None and _on_rings(arc, rings, length):
         at, placed = rings, np.ones(len(run), dtype=bool)
         recorded = recorded * length / float(rings[-1])
     else:
@@ -122,6 +122,13 @@ def _ring_middles(tubes: tuple[tuple[int, NotchedTube], ...], count: int) -> Flo
     tube = tubes[0][1]
     before = np.concatenate(([0.0], np.cumsum(tube.pitch)[:-1]))
     return np.concatenate(([0.0], before + tube.uncut / 2.0))
+
+
+def _on_rings(arc: FloatArray, rings: FloatArray, length: float) -> bool:
+    """Return whether points are spaced as evenly as rings and end on the last one rather than at the tip."""
+    spacing = np.diff(arc[1:]) / np.diff(rings[1:])
+    even = bool(np.std(spacing) < _RING_SPACING) and abs(float(np.mean(spacing)) - 1.0) < _RING_SPACING
+    return even and abs(arc[-1] - rings[-1]) < abs(arc[-1] - length)
 
 
 def _check(run: ShapeRun, length: float) -> None:

@@ -121,6 +121,13 @@ class Problem:
         ends = np.cumsum([0, *(int(across.sum() + along.sum()) for across, along in self.rows)])
         return tuple(slice(int(low), int(high)) for low, high in pairwise(ends))
 
+    @cached_property
+    def along(self) -> Booleans:
+        """Which fitted residuals lie along the line: of the tips, and of points whose place is known."""
+        parts = [np.arange(int(a.sum() + b.sum())) >= int(a.sum()) for a, b in self.rows]
+        found: Booleans = np.concatenate(parts)
+        return found
+
     @property
     def size(self) -> int:
         """Number of fitted residuals."""

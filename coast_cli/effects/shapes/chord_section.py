@@ -23,6 +23,7 @@ class ChordSection(ShapeEffect):
     source = "physics.md, section, second trap; exact circular segments"
     parameters = (Parameter("share", 0.0, 0.0, 1.5, (1.0,), "0 for radial walls, 1 for a flat cut"),)
     expected = {"share": (1.0, 0.1)}
+    rarity = -2.0
     decided_by = "tubes of two or more notch depths, each both ways up; or a section under a microscope"
 
     def geometry(self, tube: NotchedTube) -> NotchedTube:

@@ -22,6 +22,7 @@ class CoulombFriction(ShapeEffect):
     source = "Coulomb's law; friction of nested tubes: Lock and Dupont, ICRA 2011"
     parameters = (Parameter("held_per_m", 0.0, -30.0, 30.0, (0.3,), "a part of the tubes' natural curvature"),)
     on_pairs = True
+    rarity = 2.0
     decided_by = "the pair turned over, brought to rest from above and from below"
 
     def loads(self, loads: Loads) -> Loads:

@@ -86,7 +86,8 @@ class ShapeEffect(Effect):
     ``expected`` holds (mean, standard deviation) of parameters that physics foretells; ``of_one_tube`` marks effects
     that may sit on one tube alone; ``on_pairs`` those that only an assembled pair can have; ``is_local`` those shorter
     than a few pitches. ``order`` is the power of its amplitude with which a small effect grows; ``logarithmic`` names
-    the parameters that a fit moves by factors; ``rarity`` is what the effect pays, nats, for being less likely beforehand.
+    the parameters that a fit moves by factors; ``rarity`` is what the effect pays, nats, for being
+    less likely beforehand; negative where theory says that it is always there.
     """
 
     expected: ClassVar[Mapping[str, tuple[float, float]]] = {}
@@ -124,7 +125,12 @@ class ShapeEffect(Effect):
 
     @classmethod
     def starts(cls, scene: Scene) -> list[Self]:
-        """Return where fits are started: every start of every parameter, on every tube and on all of them."""
+        """Return where fits are started: every start of every parameter, on every tube and on all of them.
+
+        None where a tube's own geometry is in question and no tube was photographed alone.
+        """
+        if cls.stage_overridden("geometry") and not scene.alone:
+            return []
         choices = []
         for parameter in cls.parameters:
             if parameter is TUBE:

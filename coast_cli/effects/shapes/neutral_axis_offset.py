@@ -26,6 +26,7 @@ class NeutralAxisOffset(ShapeEffect):
     source = "section.py: neutral_axis, P (1); kinematics of plane sections"
     parameters = (Parameter("share", 0.0, 0.0, 2.0, (1.0,), "1: as the section has it"),)
     expected = {"share": (1.0, 0.2)}
+    rarity = -2.0
     decided_by = "the same tube turned over: one way it lengthens, the other way it shortens"
 
     def loads(self, loads: Loads) -> Loads:

@@ -24,6 +24,7 @@ class NotchEndEffect(ShapeEffect):
     source = "physics.md, left out by P: 3-D solid finite elements of one cell; mechanics/end_effect.py"
     parameters = (Parameter("table_share", 0.0, 0.0, 4.0, (1.0,), "1: as the solid cells have it"),)
     expected = {"table_share": (1.0, 0.3)}
+    rarity = -2.0
     decided_by = "tubes of another notch depth, cut or uncut length: one tube alone cannot tell it from its modulus"
 
     def geometry(self, tube: NotchedTube) -> NotchedTube:
