@@ -41,6 +41,7 @@ class Outcome:
 def outcomes(level: str, effect: str | None, count: int, first: int) -> Iterator[Outcome]:
     """Draw cases and diagnose them, without their held-out photographs being named."""
     from coast_cli.diagnosis.shapes import diagnose_shapes
+    from coast_cli.errors import BadInput
     from coast_cli.recordings.read import read_recordings
     from coast_cli.spec.load import load_config_text
     from examples.concealed.shape_case import make_shape_case
@@ -62,7 +63,11 @@ def outcomes(level: str, effect: str | None, count: int, first: int) -> Iterator
                 paths[-1].write_text(text, encoding="utf-8")
             runs = read_recordings(paths, config).shape.runs
         start = time.process_time()
-        found = diagnose_shapes(config, runs)
+        try:
+            found = diagnose_shapes(config, runs)
+        except BadInput as refusal:  # a picture so distorted that its points are no tube's
+            print(f"  refused: {refusal}", file=sys.stderr)
+            continue
         yield Outcome(case.truth, config, found, time.process_time() - start)
 
 

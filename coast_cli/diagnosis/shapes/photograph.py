@@ -28,7 +28,7 @@ _POINTS_A_COEFFICIENT = 3
 _BACKWARD = 6.0  # noise levels
 _WIDEST_GAP = 0.25  # of the tube
 _LENGTHS = (0.75, 1.35)  # recorded over configured
-_CLAMP = 0.03  # of the tube
+_CLAMP = 0.05  # of the tube
 _RING_SPACING = 0.08  # of a pitch
 
 
