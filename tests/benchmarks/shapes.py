@@ -111,6 +111,7 @@ def main() -> None:
     print(f"all effects, named first: {wilson(right, total)}")
     for effect in SHAPE_OUTSIDE if options.outside else ():
         cases = list(outcomes("L6", effect, options.outside, options.seed))
+        seconds += [case.seconds for case in cases]
         said = Counter(case.diagnosis.verdict for case in cases)
         print(f"outside the catalogue, {effect}: {dict(said)} {dict(Counter(' + '.join(c.named) for c in cases))}", flush=True)
     print(f"processor seconds a case: mean {np.mean(seconds):.2f}, largest {np.max(seconds):.2f}")
