@@ -64,7 +64,8 @@ class Diagnosis:
         verdict, reason: the first answer and a sentence on it.
         noise, noise_unit: level of the noise that the recording itself shows.
         where: regions of the mismatch, largest share first.
-        effects: named, the most important first; empty unless the verdict is physics, sensor or ambiguous.
+        effects: named, the most important first; with the verdict ``parameters`` only effects of that kind, and none with
+            agrees, unexplained or insufficient.
         alternatives: ids of other sets that the data cannot tell from the named one.
         attempts: ids of the best set where it was not good enough to be named.
         parameters: base parameters as refitted, beside ``configured``.
