@@ -41,6 +41,8 @@ _PARAMETERS_GAIN = 6.0
 _PARAMETERS_SIZE = 0.35
 # Share of the residual that other runs must predict to count as structure; slow noise reaches 0.4 by chance.
 _REPEATS = 0.45
+# No name is surer than this: of the names given without a rival on pilot recordings, one in twenty-five was wrong.
+_SUREST = 0.96
 _FEWEST_SAMPLES = 12
 
 
@@ -322,7 +324,7 @@ def _confidence(contest: Contest, rivals: Sequence[Hypothesis], leftover: float)
     scores = np.array([contest.leading.score, *(rival.score for rival in rivals)])
     weights = np.exp((scores - scores.max()) / 2.0)
     known = 1.0 / (1.0 + np.exp((leftover - _OF_EXPLAINED) / 0.08))
-    return float(np.clip(weights[0] / weights.sum() * known, 0.01, 0.99))
+    return float(np.clip(weights[0] / weights.sum() * known, 0.01, _SUREST))
 
 
 def _base_values(problem: Problem, fitted: Fit) -> dict[str, Value]:
