@@ -6,7 +6,8 @@ from collections.abc import Iterator
 
 from coast_cli.design.stroke import stroke_table
 from coast_cli.errors import NotConverged
-from coast_cli.mechanics.pair import PairFigures, pair_figures
+from coast_cli.mechanics.beam import NO_EQUILIBRIUM
+from coast_cli.mechanics.pair import PairTable, pair_table
 from coast_cli.spec.build import Design
 from coast_cli.spec.config import Checks, LimitAtPoint
 from coast_cli.units import MILLIMETRE
@@ -42,14 +43,14 @@ def check_design(design: Design) -> list[Row]:
 def _limits(design: Design, checks: Checks) -> Iterator[tuple[str, str, float, float]]:
     """Yield (check, "min" or "max", value, limit)."""
     if checks.max_total_precurvature_rad is not None:
-        figures = _figures(design)
-        yield "max_total_precurvature_rad", "max", figures.total_precurvature, checks.max_total_precurvature_rad
+        value = _figures(design).total_precurvature.item()
+        yield "max_total_precurvature_rad", "max", value, checks.max_total_precurvature_rad
     if checks.rigidity_ratio is not None:
         figures, limits = _figures(design), checks.rigidity_ratio
         ratio = figures.ratio_mean if limits.rigidity == "mean" else figures.ratio_series
         for bound, limit in (("min", limits.min), ("max", limits.max)):
             if limit is not None:
-                yield "rigidity_ratio", bound, ratio, limit
+                yield "rigidity_ratio", bound, ratio.item(), limit
     if checks.max_stroke_mm is not None:
         stroke, strain = _stroke_and_strain(design, checks.max_stroke_mm)
         yield "max_stroke_mm", "max", stroke, checks.max_stroke_mm.value
@@ -57,14 +58,15 @@ def _limits(design: Design, checks: Checks) -> Iterator[tuple[str, str, float, f
             yield "max_tendon_strain", "max", strain, checks.max_tendon_strain
 
 
-def _figures(design: Design) -> PairFigures:
+def _figures(design: Design) -> PairTable:
+    """Return the table of the one pair."""
     outer, middle = design.pair()
     if outer is None:
         message = "a limit on a pair needs an outer tube, and the joint has one tube"
         raise design.config.refuse(("checks",), message, found=middle, allowed="'OUTER/MIDDLE' as joint.pair")
-    figures = pair_figures(design.tube(outer), design.tube(middle), design.gravity)
-    if not figures.verdict.converged:
-        raise NotConverged(f"{outer}/{middle}: {figures.verdict.message}.")
+    figures = pair_table([design.tube(outer)], [design.tube(middle)], design.gravity)
+    if not figures.converged.all():
+        raise NotConverged(f"{outer}/{middle}: {NO_EQUILIBRIUM}.")
     return figures
 
 

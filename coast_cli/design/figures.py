@@ -1,7 +1,7 @@
 """The figures of many pairs, row by row, for tubes that differ in everything: equation (8) of P integrated exactly.
 
 Each pair has its own common pieces: the ends of both tubes' pieces, merged. On each of them both rigidities are
-constant, so (8) is the rigidity-weighted mean of the tubes' own turns. ``pair_table`` is faster where patterns repeat.
+constant, so (8) is the rigidity-weighted mean of the tubes' own turns. ``mechanics.pair`` is faster where patterns repeat.
 """
 
 from __future__ import annotations

@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coast_cli.errors import UsageError
-from coast_cli.mechanics.pair import Assembly
-from coast_cli.mechanics.pair_table import PairTable, pair_table
+from coast_cli.mechanics.pair import Assembly, PairTable, pair_table
 from coast_cli.mechanics.section import FloatArray, SectionKind
 from coast_cli.spec.build import Design, build
 from coast_cli.spec.config import Config

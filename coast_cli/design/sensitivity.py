@@ -15,9 +15,9 @@ import numpy as np
 
 from coast_cli.errors import NotConverged
 from coast_cli.mechanics.beam import BeamSolution, solve_beam
-from coast_cli.mechanics.beam_tangent import ComplexShape, complex_shape
+from coast_cli.mechanics.beam_tangent import complex_shape
 from coast_cli.mechanics.joint import Joint, stroke
-from coast_cli.mechanics.pair import combined_bend
+from coast_cli.mechanics.pair import integrated
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.mechanics.tube import NotchedTube
 from coast_cli.spec.build import Design
@@ -165,16 +165,10 @@ def _pair_figures(
     yield "ratio_mean", "1", outer.rigidity_mean / middle.rigidity_mean
     yield "ratio_series", "1", outer.rigidity_series / middle.rigidity_series
     if pattern:
-        shapes = [complex_shape(tube, gravity, base) for tube, base in zip(tubes, solved, strict=True)]
-        length, rigidity, bend = combined_bend(tubes, (_angles(shapes[0], solved[0]), _angles(shapes[1], solved[1])))
-        yield "total_precurvature", "rad", complex(np.sum(bend * np.sign(bend.real)))
-        yield "total_mean", "N m^2", complex(np.sum(rigidity * length) / length.sum())
-        yield "total_series", "N m^2", complex(length.sum() / np.sum(length / rigidity))
-
-
-def _angles(shape: ComplexShape, solution: BeamSolution) -> BeamSolution:
-    angle: Any = shape.angle
-    return replace(solution, angle=angle)
+        one, two = (complex_shape(tube, gravity, base).angle for tube, base in zip(tubes, solved, strict=True))
+        sums = integrated(outer, middle, (one, two))
+        for name, unit in (("total_precurvature", "rad"), ("total_mean", "N m^2"), ("total_series", "N m^2")):
+            yield name, unit, sums[name]
 
 
 def _stroke_rows(joint: Joint) -> Iterator[Row]:

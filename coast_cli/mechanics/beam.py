@@ -19,6 +19,10 @@ from coast_cli.mechanics.section import FloatArray
 from coast_cli.mechanics.tube import NotchedTube
 from coast_cli.mechanics.verdict import Verdict
 
+NO_EQUILIBRIUM = (
+    "no equilibrium was reached from zero load: the beam is too soft for its load or its numbers overflow; "
+    "give a stiffer, shorter or lighter beam, or less gravity"
+)
 _WORTH_COMPILING = 1000  # beams; below, loading numba takes longer than it saves
 
 
@@ -289,10 +293,7 @@ def _loads(gravity: ArrayLike, tip_force: ArrayLike, tip_moment: ArrayLike, base
 
 def _message(*, converged: bool, equilibria: int, turned_at: float) -> str:
     if not converged:
-        return (
-            "no equilibrium was reached from zero load: the beam is too soft for its load or its numbers overflow; "
-            "give a stiffer, shorter or lighter beam, or less gravity"
-        )
+        return NO_EQUILIBRIUM
     if turned_at < 1.0:
         return (
             f"converged, but the path from zero load turned back at {turned_at:.0%} of the load: the beam snaps there"

@@ -17,7 +17,7 @@ sys.path.insert(0, str(ROOT))
 from coast_cli.design.exploration import Beginning, explore  # noqa: E402
 from coast_cli.design.tolerance import make_pair, tolerance_rows  # noqa: E402
 from coast_cli.design.variation import variation  # noqa: E402
-from coast_cli.mechanics.pair import pair_figures  # noqa: E402
+from coast_cli.mechanics.pair import pair_table  # noqa: E402
 from coast_cli.output.stream import CsvStream  # noqa: E402
 from coast_cli.spec.build import build  # noqa: E402
 from coast_cli.spec.load import load_config, load_config_text  # noqa: E402
@@ -45,7 +45,7 @@ def tolerances(design) -> None:
     varied = variation(design.config, tubes)
     draws = np.random.default_rng(0).random((10_000, len(varied.inputs)))
     took, made = timed(lambda: make_pair(design, varied, tubes, draws))
-    one, _ = timed(lambda: [pair_figures(*tubes, design.gravity) for _ in range(20)])
+    one, _ = timed(lambda: [pair_table(tubes[:1], tubes[1:], design.gravity) for _ in range(20)])
     speed = f"{10_000 / took:.0f} pairs/s, {20_000 / took:.0f} tubes/s"
     print(f"10,000 samples of one pair                    {took:8.2f} s, {speed}")
     print(f"  one pair at a time over that                {one / 20 * 10_000 / took:8.1f}")

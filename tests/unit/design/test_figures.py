@@ -8,10 +8,10 @@ import pytest
 from coast_cli.design.figures import bent, cross_figures, pair_figures_of, point_figures, web_strain
 from coast_cli.design.population import TubePopulation, population
 from coast_cli.mechanics.joint import Joint, stroke
-from coast_cli.mechanics.pair import pair_figures
 from coast_cli.mechanics.tube import NotchedTube
 from coast_cli.spec.build import build
 from coast_cli.spec.load import load_config
+from tests.one_pair import pair_figures
 
 
 @pytest.fixture

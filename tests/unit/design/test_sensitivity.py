@@ -8,10 +8,10 @@ import pytest
 from coast_cli.design.sensitivity import sensitivity_rows, tip_derivative
 from coast_cli.mechanics.beam import solve_beam
 from coast_cli.mechanics.joint import stroke
-from coast_cli.mechanics.pair import pair_figures
 from coast_cli.mechanics.tube import NotchedTube
 from coast_cli.spec.build import build
 from coast_cli.spec.load import load_config
+from tests.one_pair import pair_figures
 
 
 @pytest.fixture(scope="module")

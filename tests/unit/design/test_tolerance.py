@@ -10,10 +10,10 @@ from coast_cli.design.robust import robust_rank
 from coast_cli.design.tolerance import make_pair, tolerance_rows
 from coast_cli.design.variation import variation
 from coast_cli.errors import CoastError
-from coast_cli.mechanics.pair import pair_figures
 from coast_cli.mechanics.section import full_section, notched_section
 from coast_cli.spec.build import build
 from coast_cli.spec.load import load_config, load_config_text
+from tests.one_pair import pair_figures
 
 
 def rows_of(text, **options):

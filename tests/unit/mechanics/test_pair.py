@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from coast_cli.mechanics.beam import solve_beam
-from coast_cli.mechanics.pair import pair_figures
-from coast_cli.mechanics.pair_table import PairTable, pair_table
+from coast_cli.mechanics.pair import PairTable, pair_table
 from coast_cli.spec.build import build
 from coast_cli.spec.load import load_config
+from tests.one_pair import pair_figures
 
 FIGURES = [field.name for field in fields(PairTable) if field.name != "converged"]
 
@@ -49,7 +49,7 @@ def test_without_gravity_both_assemblies_agree(design):
 
 def test_blocks_do_not_show(design, monkeypatch):
     whole = pair_table(design.outer, design.middle, design.gravity)
-    monkeypatch.setattr("coast_cli.mechanics.pair_table._BLOCK", 1)
+    monkeypatch.setattr("coast_cli.mechanics.pair._BLOCK", 1)
     split = pair_table(design.outer, design.middle, design.gravity)
     for name in FIGURES:
         np.testing.assert_allclose(getattr(split, name), getattr(whole, name), rtol=1e-14)
