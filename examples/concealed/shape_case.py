@@ -7,6 +7,7 @@ is the composite beam.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -19,13 +20,15 @@ from examples.concealed.shape_recipes import (
     SHAPE_NEUTRAL,
     SHAPE_OUTSIDE,
     SHAPE_RECIPES,
+    SHAPE_SENSOR,
     has_pairs,
     single_tubes,
     tube_count,
 )
 from examples.concealed.shape_scene import Array, Scene, ShapeRun, photograph, tubes_of
 
-SHAPE_LEVELS = {"L0": 0.25, "LP": 0.07, "L1": 0.42, "L2": 0.08, "L3": 0.06, "L6": 0.12}
+SHAPE_LEVELS = {"L0": 0.25, "LP": 0.07, "L1": 0.42, "L2": 0.08, "L3": 0.06, "L5": 0.03, "L6": 0.09}
+_DRAWN_FROM: dict[str, Iterable[str]] = {"L2": SHAPE_HIDING, "L5": SHAPE_SENSOR, "L6": SHAPE_OUTSIDE}
 
 
 def draw_stock(rng: np.random.Generator) -> Robot:
@@ -122,6 +125,8 @@ def make_shape_case(seed: int, level: str | None = None, effect: str | None = No
         level = (
             "L1"
             if effect in SHAPE_EFFECTS
+            else "L5"
+            if effect in SHAPE_SENSOR
             else "L6"
             if effect in SHAPE_OUTSIDE
             else str(rng.choice(list(SHAPE_LEVELS), p=list(SHAPE_LEVELS.values())))
@@ -140,7 +145,7 @@ def _try_shape(rng: np.random.Generator, seed: int, level: str, effect: str | No
     names = (
         []
         if level in ("L0", "LP")
-        else [effect or str(rng.choice(list({"L6": SHAPE_OUTSIDE, "L2": SHAPE_HIDING}.get(level, SHAPE_EFFECTS))))]
+        else [effect or str(rng.choice(list(_DRAWN_FROM.get(level, SHAPE_EFFECTS))))]
     )
     donor = names[0] if names else str(rng.choice(list(SHAPE_EFFECTS)))
     recipe = SHAPE_RECIPES.get(donor)

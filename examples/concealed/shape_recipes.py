@@ -128,10 +128,11 @@ SHAPE_EFFECTS: dict[str, ShapeRecipe] = {
         (0.85, 1.15),
     ),
 }
-SHAPE_OUTSIDE: dict[str, ShapeRecipe] = {
+# Artefacts of the camera that look like a natural curvature or a gradient of it.
+SHAPE_SENSOR: dict[str, ShapeRecipe] = {
     "camera_tilt": ShapeRecipe(
-        "outside",
-        "outside",
+        "camera",
+        "sensor",
         lambda _r: True,
         lambda g: {"foreshortening": g.uniform(0.01, 0.06)},
         "foreshortening",
@@ -139,14 +140,16 @@ SHAPE_OUTSIDE: dict[str, ShapeRecipe] = {
         ("camera_scale",),
     ),
     "lens_distortion": ShapeRecipe(
-        "outside",
-        "outside",
+        "camera",
+        "sensor",
         lambda _r: True,
         lambda g: {"radial": _sign(g) * g.uniform(0.01, 0.06)},
         "radial",
         (0.002, 0.2),
         ("camera_scale",),
     ),
+}
+SHAPE_OUTSIDE: dict[str, ShapeRecipe] = {
     "kink": ShapeRecipe(
         "outside",
         "outside",
@@ -201,7 +204,7 @@ SHAPE_OUTSIDE: dict[str, ShapeRecipe] = {
         ("tip_load",),
     ),
 }
-SHAPE_RECIPES = SHAPE_EFFECTS | SHAPE_OUTSIDE
+SHAPE_RECIPES = SHAPE_EFFECTS | SHAPE_SENSOR | SHAPE_OUTSIDE
 SHAPE_NEUTRAL = {"stiffness_ratio": 1.0, "scale": 1.0}
 # Recordings in which calibration takes the effect for a modulus or a natural curvature.
 SHAPE_HIDING: dict[str, tuple[str, ...]] = {
