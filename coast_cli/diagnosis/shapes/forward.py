@@ -98,11 +98,11 @@ class Forward:
         rigidity = np.where(length > 0.0, length / flexibility, 1.0)
         span = np.where(length > 0.0, length, 1.0)
         pull = np.array([beam.loads.gravity * self.gravity for beam in beams])
-        force = np.array([beam.loads.downward_force for beam in beams])
+        force = np.array([beam.loads.upward_force for beam in beams])
         zero = np.zeros(len(beams))
         solved = solve_segments(
             length, rigidity, table("load", 0.0) / span, bend / span,
-            gravity=np.stack([zero, -pull], axis=1), tip_force=np.stack([zero, -force], axis=1),
+            gravity=np.stack([zero, -pull], axis=1), tip_force=np.stack([zero, force], axis=1),
             base_angle=np.array([beam.loads.base_angle for beam in beams]),
         )  # fmt: skip
         found: dict[int, Line] = {}

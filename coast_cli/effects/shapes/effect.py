@@ -49,14 +49,14 @@ class Loads:
     """What the bench does to the beam, in its frame: x along the clamp, gravity along -y.
 
     Attributes:
-        base_angle: of the clamped tangent, rad. downward_force: at the tip, N. gravity: share of g in the plane.
+        base_angle: of the clamped tangent, rad. upward_force: at the tip, N. gravity: share of g in the plane.
         held_curvature: curvature that friction between two tubes holds, 1/m, on pairs only.
         axis_share: share of the strip's offset by which the line lengthens or shortens with bend.
         roll: of the middle tube against its assembled position, rad, on pairs only.
     """
 
     base_angle: float = 0.0
-    downward_force: float = 0.0
+    upward_force: float = 0.0
     gravity: float = 1.0
     held_curvature: float = 0.0
     axis_share: float = 0.0

@@ -11,7 +11,7 @@ from coast_cli.units import MILLINEWTON
 
 @dataclass(frozen=True)
 class TipLoad(ShapeEffect):
-    """A force at the tip along gravity, positive downward."""
+    """A force at the tip across the clamped tube; positive towards positive curvature, as for joints: up, against gravity."""
 
     force_mn: float = 0.0
 
@@ -19,9 +19,9 @@ class TipLoad(ShapeEffect):
     title = "a force at the tip"
     component = "environment"
     stage = "structure"
-    equation = "V(s) = force + integral_s^L w"
+    equation = "V(s) = integral_s^L w - force"
     source = "statics of the beam, P (3)-(7)"
-    parameters = (Parameter("force_mn", 0.0, -500.0, 500.0, (0.1,), "a part of the tube's own weight and more"),)
+    parameters = (Parameter("force_mn", 0.0, -500.0, 500.0, (-0.1,), "a weight is negative: parts of the tube's own, and more"),)
     decided_by = "the same tube turned over: a load keeps its side; and the tube weighed"
 
     @classmethod
@@ -30,5 +30,5 @@ class TipLoad(ShapeEffect):
         return scene.weight / MILLINEWTON
 
     def loads(self, loads: Loads) -> Loads:
-        """Hang the weight on the tip."""
-        return replace(loads, downward_force=loads.downward_force + self.force_mn * MILLINEWTON)
+        """Pull at the tip."""
+        return replace(loads, upward_force=loads.upward_force + self.force_mn * MILLINEWTON)

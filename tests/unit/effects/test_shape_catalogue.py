@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from coast_cli.diagnosis.shapes.problem import Problem, build_problem
-from coast_cli.effects.catalogue import build_effects
+from coast_cli.effects.catalogue import CATALOGUE, build_effects
 from coast_cli.effects.corrections import correction_parameters
 from coast_cli.effects.shapes.catalogue import SHAPE_CATALOGUE, build_shape_effects, in_order
 from coast_cli.effects.shapes.effect import TUBE, ShapeEffect
@@ -90,6 +92,17 @@ def test_what_sits_on_one_tube_leaves_the_others(problem):
     for effect in tilted:
         start = next(s for s in effect.starts(problem.scene) if s.tube == 2.0)
         assert problem.touched(start) == [1, 2]
+
+
+def test_a_tip_force_has_the_sign_that_it_has_on_a_joint(problem):
+    """Positive bends towards positive curvature: a tip that is pulled up, and a joint that bends more."""
+    state = problem.state(problem.configured(), ())
+    pulled = problem.state(problem.configured(), (SHAPE_CATALOGUE["tip_load"](force_mn=0.05),))
+    free, lifted = problem.forward.lines([(0, state), (0, pulled)])
+    assert lifted.y[0, -1] > free.y[0, -1]
+    segment = SimpleNamespace(bending_length=0.03, position=None)
+    moment = CATALOGUE["tip_load"](force_mn=0.05).moment(np.zeros(1), np.full(1, 10.0), 1, segment)
+    assert moment[0] < 0.0  # less is left for the tendon to give
 
 
 def test_effects_act_in_one_order():
