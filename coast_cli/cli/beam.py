@@ -38,5 +38,5 @@ def beam(
     if plot is not None:
         from coast_cli.output.design_plot import plot_shapes
 
-        plot_shapes(columns, plot)
+        plot_shapes(columns).write(plot)
     write_answer(Answer("beam", Columns(columns), origin, (*design.notes, *design.uncorrected)), format, output or ())

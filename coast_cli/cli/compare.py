@@ -46,8 +46,10 @@ def compare(
     comparison = errors_of(documents[-1], read)
     notes = read.notes
     if plot is not None:
-        from coast_cli.output.plots import plot_comparison
+        from coast_cli.output.comparison_plot import plot_comparison
 
-        notes += plot_comparison(comparison, plot)
+        picture, left_out = plot_comparison(comparison)
+        picture.write(plot)
+        notes += left_out
     origin = provenance(*documents, recordings=read.sources)
     write_answer(Answer("compare", comparison.rows(), origin, notes), format, output or ())

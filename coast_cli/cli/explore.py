@@ -70,5 +70,5 @@ def explore(
         from coast_cli.output.design_plot import plot_front
 
         rigidity = "mean" if document.explore is None else document.explore.rigidity
-        plot_front(rows, rank(document).columns, rigidity, plot)
+        plot_front(rows, rank(document).columns, rigidity).write(plot)
     write_answer(Answer("explore", rows[:top], origin, notes), format, output or ())

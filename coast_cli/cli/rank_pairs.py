@@ -55,5 +55,5 @@ def rank_pairs(
     if plot is not None:
         from coast_cli.output.design_plot import plot_pairs
 
-        plot_pairs(ranking.columns, rigidity, plot)
+        plot_pairs(ranking.columns, rigidity).write(plot)
     write_answer(Answer("rank-pairs", Columns(ranking.columns), origin, ranking.notes), format, output or ())

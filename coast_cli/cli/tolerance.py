@@ -50,5 +50,5 @@ def tolerance(
     if plot is not None:
         from coast_cli.output.design_plot import plot_tolerance
 
-        plot_tolerance(f"{outer}/{middle}", rows, columns, plot)
+        plot_tolerance(f"{outer}/{middle}", rows, columns).write(plot)
     write_answer(Answer("tolerance", [row for row in rows if row["kind"] in kinds], origin, notes), format, output or ())

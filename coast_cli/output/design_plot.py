@@ -4,38 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import cycle
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from coast_cli.output.picture import COLOURS, MARKS, draw
+from coast_cli.output.labels import LABELS
+from coast_cli.output.picture import COLOURS, MARKS, Picture
 
-AXES = {
-    "total_precurvature_rad": "total pre-curvature (rad)",
-    "signed_precurvature_rad": "signed pre-curvature (rad)",
-    "rigidity_ratio_mean": "rigidity ratio, mean",
-    "rigidity_ratio_series": "rigidity ratio, series",
-    "total_rigidity_mean_n_m2": "total EI, mean (N m$^2$)",
-    "total_rigidity_series_n_m2": "total EI, series (N m$^2$)",
-    "stroke_mm": "stroke (mm)",
-    "tendon_strain": "tendon strain",
-    "web_strain": "web strain",
-    "closure_curvature_per_m": "curvature at notch closure (1/m)",
-}
 _MOST_CURVES = 12
 _MOST_LABELS = 40
 _CLOUD = 20_000  # points of a cloud; more only blacken it
 
 
-def plot_pairs(columns: Mapping[str, Any], rigidity: str, path: Path) -> None:
+def plot_pairs(columns: Mapping[str, Any], rigidity: str) -> Picture:
     """Draw pairs over pre-curvature: the rigidity ratio (Figure 8 a) and total EI (b), middle tubes as families."""
     known = np.array([value is not None for value in columns["total_precurvature_rad"]])
     table = {name: np.asarray(values)[known] for name, values in columns.items()}
     families = sorted(set(table["middle"].tolist()))
 
     def panel(axes: Any, figure: str) -> None:  # noqa: ANN401
-        x, y = (table[name].astype(float) for name in ("total_precurvature_rad", figure))
+        x, y = (_shown(name, table[name]) for name in ("total_precurvature_rad", figure))
         for family, colour, mark in zip(families, cycle(COLOURS), cycle(MARKS), strict=False):
             rows = np.flatnonzero(table["middle"] == family)
             rows = rows[np.argsort([int(name[1:]) for name in table["sample"][rows]])]
@@ -52,38 +40,37 @@ def plot_pairs(columns: Mapping[str, Any], rigidity: str, path: Path) -> None:
         left, right = figure.subplots(1, 2)
         panel(left, f"rigidity_ratio_{rigidity}")
         panel(right, f"total_rigidity_{rigidity}_n_m2")
-        left.set_title("(a)", loc="left")
-        right.set_title("(b)", loc="left")
+        left.set_title("(a)")
+        right.set_title("(b)")
         if len(families) <= _MOST_CURVES:
             figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=len(families) + 1)
 
-    draw(path, (9.0, 4.4), paint)
+    return Picture((9.0, 4.4), paint)
 
 
-def plot_front(
-    front: Sequence[Mapping[str, Any]], bench: Mapping[str, Any], rigidity: str, path: Path
-) -> None:
+def plot_front(front: Sequence[Mapping[str, Any]], bench: Mapping[str, Any], rigidity: str) -> Picture:
     """Draw the front of an exploration beside the pairs on the bench."""
     ratio, total = f"rigidity_ratio_{rigidity}", f"total_rigidity_{rigidity}_n_m2"
 
     def values(name: str) -> Any:  # noqa: ANN401
-        return np.array([row[name] for row in front[:_CLOUD]], dtype=float)
+        return _shown(name, [row[name] for row in front[:_CLOUD]])
 
     def paint(figure: Any) -> None:  # noqa: ANN401
         for axes, name, title in zip(figure.subplots(1, 2), (ratio, total), ("(a)", "(b)"), strict=True):
             axes.plot(values("total_precurvature_rad"), values(name), ".", color=COLOURS[0], ms=4, label="front")
-            axes.plot(bench["total_precurvature_rad"], bench[name], MARKS[1], color=COLOURS[1], ms=5, label="bench")
-            for label, at_x, at_y in zip(bench["sample"], bench["total_precurvature_rad"], bench[name], strict=True):
-                if len(bench["sample"]) <= _MOST_LABELS and at_x is not None:
+            x, y = (_shown(column, bench[column]) for column in ("total_precurvature_rad", name))
+            axes.plot(x, y, MARKS[1], color=COLOURS[1], ms=5, label="bench")
+            for label, at_x, at_y in zip(bench["sample"], x, y, strict=True):
+                if len(bench["sample"]) <= _MOST_LABELS and np.isfinite(at_x):
                     axes.annotate(str(label), (at_x, at_y), xytext=(5, 4), textcoords="offset points", fontsize=7)
             _label(axes, "total_precurvature_rad", name)
-            axes.set_title(title, loc="left")
+            axes.set_title(title)
         figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2)
 
-    draw(path, (9.0, 4.4), paint)
+    return Picture((9.0, 4.4), paint)
 
 
-def plot_shapes(columns: Mapping[str, Any], path: Path) -> None:
+def plot_shapes(columns: Mapping[str, Any]) -> Picture:
     """Draw the shapes of tubes under gravity, both axes to one scale."""
     names, x, y = (np.asarray(columns[key]) for key in ("tube", "x_mm", "y_mm"))
     tubes = list(dict.fromkeys(names.tolist()))
@@ -99,10 +86,10 @@ def plot_shapes(columns: Mapping[str, Any], path: Path) -> None:
         axes.set_aspect("equal", adjustable="box")
         axes.set(xlabel="x, along the clamp (mm)", ylabel="y, against gravity (mm)")
 
-    draw(path, (6.0, 4.2), paint)
+    return Picture((6.0, 4.2), paint)
 
 
-def plot_strokes(columns: Mapping[str, Any], path: Path) -> None:
+def plot_strokes(columns: Mapping[str, Any]) -> Picture:
     """Draw curvature over stroke (over tension without a tendon), a line for each bending length."""
     length, curvature = (np.asarray(columns[key], dtype=float) for key in ("bending_length_mm", "curvature_per_m"))
     tendon = any(value is not None for value in columns["stroke_mm"])
@@ -116,13 +103,13 @@ def plot_strokes(columns: Mapping[str, Any], path: Path) -> None:
             axes.plot(drive[rows], curvature[rows], "-", marker=mark, ms=4, color=colour, label=f"X2 = {one:.4g} mm")
         axes.set(xlabel="tendon stroke X1 (mm)" if tendon else "tension (N)", ylabel="curvature (1/m)")
         pair = "/".join(name for name in (columns["outer"][0], columns["middle"][0]) if name)
-        axes.set_title(pair, loc="left")
+        axes.set_title(pair)
         axes.legend()
 
-    draw(path, (5.6, 4.2), paint)
+    return Picture((5.6, 4.2), paint)
 
 
-def plot_tolerance(pair: str, rows: Iterable[Mapping[str, Any]], columns: Mapping[str, Any], path: Path) -> None:
+def plot_tolerance(pair: str, rows: Iterable[Mapping[str, Any]], columns: Mapping[str, Any]) -> Picture:
     """Draw how each figure of a pair is distributed, with its value as drawn and the limits of its checks."""
     known = list(rows)
     figures = [row for row in known if row["kind"] == "figure"]
@@ -135,14 +122,14 @@ def plot_tolerance(pair: str, rows: Iterable[Mapping[str, Any]], columns: Mappin
         for axes in panels[len(figures) :]:
             axes.set_axis_off()
         for axes, row in zip(panels, figures, strict=False):
-            values = np.asarray(columns[row["name"]])
+            label, values = LABELS[row["name"]], _shown(row["name"], columns[row["name"]])
             axes.hist(values[np.isfinite(values)], bins=60, color=COLOURS[0], alpha=0.75, lw=0)
             if row["nominal"] is not None:
-                axes.axvline(row["nominal"], color="black", lw=1.0, label="as drawn")
+                axes.axvline(row["nominal"] * label.scale, color="black", lw=1.0, label="as drawn")
             for limit in limits:
                 if _bounds(limit["name"], row["name"], known):
-                    axes.axvline(limit["limit"], color=COLOURS[1], lw=1.2, ls="--", label="limit")
-            axes.set_xlabel(AXES[row["name"]])
+                    axes.axvline(limit["limit"] * label.scale, color=COLOURS[1], lw=1.2, ls="--", label="limit")
+            axes.set_xlabel(label.heading)
             axes.set_yticks([])
             axes.locator_params(axis="x", nbins=4)
             axes.grid(visible=False)
@@ -150,7 +137,7 @@ def plot_tolerance(pair: str, rows: Iterable[Mapping[str, Any]], columns: Mappin
         figure.suptitle(f"{pair}, {values.size} samples", x=0.01, ha="left")
         figure.legend(named.values(), named.keys(), loc="outside lower center", ncols=2)
 
-    draw(path, (9.0, 2.1 * down + 0.8), paint)
+    return Picture((9.0, 2.1 * down + 0.8), paint)
 
 
 def _bounds(check: str, figure: str, rows: Sequence[Mapping[str, Any]]) -> bool:
@@ -163,6 +150,10 @@ def _bounds(check: str, figure: str, rows: Sequence[Mapping[str, Any]]) -> bool:
 
 
 def _label(axes: Any, x: str, y: str) -> None:  # noqa: ANN401
-    axes.set(xlabel=AXES[x], ylabel=AXES[y])
+    axes.set(xlabel=LABELS[x].heading, ylabel=LABELS[y].heading)
     axes.margins(0.08)
 
+
+def _shown(name: str, values: Any) -> Any:  # noqa: ANN401
+    """Return a column in the unit of its label; None is NaN."""
+    return np.asarray(values, dtype=float) * LABELS[name].scale

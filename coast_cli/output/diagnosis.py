@@ -73,9 +73,9 @@ class Outputs:
         if self.plot is not None:
             _check_suffix("--plot", self.plot, PICTURES)
         if self.plot is not None or self.report is not None:
-            from coast_cli.output.diagnosis_plot import drawing
+            from coast_cli.output.picture import require_matplotlib
 
-            drawing()
+            require_matplotlib()
         named = [path for path in (*self.files, self.model, self.plot, self.report) if path is not None]
         for place, path in enumerate(named):
             if path.resolve() in [other.resolve() for other in named[:place]]:
@@ -105,9 +105,9 @@ def write_diagnosis(answer: DiagnosisAnswer, outputs: Outputs) -> None:
         text = model_text(answer.config, answer.diagnosis, answer.recordings, str(outputs.model))
         contents[outputs.model] = text.encode()
     if outputs.plot is not None:
-        from coast_cli.output.diagnosis_plot import picture
+        from coast_cli.output.diagnosis_plot import plot_diagnosis
 
-        contents[outputs.plot] = picture(answer, outputs.plot.suffix.lower().removeprefix("."))
+        contents[outputs.plot] = plot_diagnosis(answer).render(outputs.plot.suffix.lower().removeprefix("."))
     if outputs.report is not None:
         from coast_cli.output.diagnosis_report import report
 

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from io import BytesIO
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from coast_cli.diagnosis.curves import Curve, curves
-from coast_cli.errors import UsageError
+from coast_cli.output.comparison_plot import RESPONSES
 from coast_cli.output.diagnosis_words import percent, place
-from coast_cli.output.plots import RESPONSES
+from coast_cli.output.picture import COLOURS, RECORDED, Picture
 from coast_cli.units import MILLIMETRE
 
 if TYPE_CHECKING:
@@ -26,35 +25,19 @@ if TYPE_CHECKING:
 MOST_PANELS = 6
 MOST_NOTCHES = 3
 _MOST_BARS = 8
-_RECORDED, _BASE, _CORRECTED = "0.45", "tab:blue", "tab:red"
-_DPI = 130
+_BASE, _CORRECTED = COLOURS[:2]
 
 
-def drawing() -> Any:  # noqa: ANN401
-    """Return matplotlib's Figure.
-
-    Raises:
-        UsageError: matplotlib is not installed.
-    """
-    try:
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise UsageError("plots and reports need matplotlib: install coast-cli[plot].") from None
-    return Figure
-
-
-def picture(answer: DiagnosisAnswer, format: str) -> bytes:
-    """Return the picture of a diagnosis as PNG or SVG; the same answer gives the same bytes."""
-    from matplotlib import rc_context
-
+def plot_diagnosis(answer: DiagnosisAnswer) -> Picture:
+    """Draw some of the runs with their models, and the regions that hold the excess."""
     found = answer.diagnosis
     shown = _spread(curves(answer.config, answer.recordings, found), MOST_PANELS)
-    with rc_context({"svg.hashsalt": "coast", "font.size": 8.0, "axes.spines.top": False, "axes.spines.right": False}):
-        columns = 2 if len(shown) in (2, 4) else max(min(len(shown), 3), 1)
-        rows = -(-len(shown) // columns)
-        bars = 0.9 + 0.24 * min(len(found.where), _MOST_BARS) if found.where else 0.0
-        heights = [height for height in (3.4 * rows, bars) if height > 0.0]
-        figure = drawing()(figsize=(3.6 * max(columns, 2), sum(heights) or 1.0), layout="constrained")
+    columns = 2 if len(shown) in (2, 4) else max(min(len(shown), 3), 1)
+    rows = -(-len(shown) // columns)
+    bars = 0.9 + 0.24 * min(len(found.where), _MOST_BARS) if found.where else 0.0
+    heights = [height for height in (3.4 * rows, bars) if height > 0.0]
+
+    def paint(figure: Any) -> None:  # noqa: ANN401
         places = list(figure.add_gridspec(max(len(heights), 1), 1, height_ratios=heights or [1.0]))
         if found.where:
             _bars(answer, figure.add_subplot(places[-1]))
@@ -67,19 +50,9 @@ def picture(answer: DiagnosisAnswer, format: str) -> bytes:
             upper.set_title(_title(curve, found))
             lower.set_ylabel("recorded - model" if isinstance(curve, Curve) else "distance (mm)")
             if curve is shown[0]:
-                upper.legend(frameon=False, fontsize=7)
-        _settle(figure)
-        stream = BytesIO()
-        figure.savefig(stream, format=format, dpi=_DPI, metadata={"Date" if format == "svg" else "Software": None})
-    return stream.getvalue()
+                upper.legend()
 
-
-def _settle(figure: Any) -> None:  # noqa: ANN401
-    """Solve the layout once and round it: the solver's last digits change from call to call."""
-    figure.draw_without_rendering()
-    figure.set_layout_engine("none")
-    for axes in figure.get_axes():
-        axes.set_position(np.round(axes.get_position().bounds, 6))
+    return Picture((3.6 * max(columns, 2), sum(heights) or 1.0), paint)
 
 
 def _spread(items: Sequence[Curve | ShapeCurve], most: int) -> list[Curve | ShapeCurve]:
@@ -101,7 +74,7 @@ def _run(curve: Curve, found: Diagnosis, upper: Any, lower: Any) -> None:  # noq
     drive = run.drive / MILLIMETRE if run.stroke is not None else run.drive
     for column in _columns(run.response):
         recorded = run.response[:, column] / unit
-        upper.plot(drive, recorded, ".", ms=2.5, color=_RECORDED, label="recording" if column == 0 else None)
+        upper.plot(drive, recorded, ".", ms=2.5, color=RECORDED, label="recording" if column == 0 else None)
         for values, colour, words in _models(curve, found):
             model = values[:, column] / unit
             upper.plot(drive, model, "-", lw=1.0, color=colour, label=words if column == 0 else None)
@@ -115,7 +88,7 @@ def _run(curve: Curve, found: Diagnosis, upper: Any, lower: Any) -> None:  # noq
 
 def _shape(curve: ShapeCurve, found: Diagnosis, upper: Any, lower: Any) -> None:  # noqa: ANN401
     seen = np.stack((curve.run.x, curve.run.y)) / MILLIMETRE
-    upper.plot(*seen, ".", ms=2.5, color=_RECORDED, label="recording")
+    upper.plot(*seen, ".", ms=2.5, color=RECORDED, label="recording")
     for values, colour, words in _models(curve, found):
         line = values / MILLIMETRE
         upper.plot(*line, "-", lw=1.0, color=colour, label=words)
@@ -148,7 +121,7 @@ def _bars(answer: DiagnosisAnswer, axes: Any) -> None:  # noqa: ANN401
     shares = [100.0 * region.share for region in regions]
     axes.barh(range(len(regions)), shares, color=_BASE, height=0.6)
     for height, (share, region) in enumerate(zip(shares, regions, strict=True)):
-        axes.text(share + 1.0, height, percent(region.share), va="center", fontsize=7)
+        axes.text(share + 1.0, height, percent(region.share), va="center", fontsize=8)
     axes.set_yticks(range(len(regions)), [place(region, answer.drive_unit) for region in regions])
     axes.set_xlim(0.0, 112.0)
     axes.set_xticks(range(0, 101, 20))

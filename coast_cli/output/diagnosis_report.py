@@ -104,9 +104,9 @@ def _fit(found: Diagnosis) -> str:
 
 
 def _picture(answer: DiagnosisAnswer) -> str:
-    from coast_cli.output.diagnosis_plot import picture
+    from coast_cli.output.diagnosis_plot import plot_diagnosis
 
-    data = b64encode(picture(answer, "png")).decode()
+    data = b64encode(plot_diagnosis(answer).render("png")).decode()
     words = "Recording, refitted base and corrected model of each run, what is left, and where the excess error lies"
     return f'<img alt="{words}" src="data:image/png;base64,{data}">'
 

@@ -1,4 +1,4 @@
-"""The style that pictures of designs share, and how a picture becomes a file; matplotlib is the [plot] extra.
+"""The style that all pictures share, and how a picture becomes bytes or a file; matplotlib is the [plot] extra.
 
 Colours are those of Okabe and Ito, which colour-blind readers and grey printers tell apart.
 """
@@ -6,18 +6,28 @@ Colours are those of Okabe and Ito, which colour-blind readers and grey printers
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
 from typing import Any
+from warnings import catch_warnings, filterwarnings
 
 from coast_cli.errors import UsageError
 from coast_cli.output.atomic import write_files
 
 FORMATS = (".png", ".svg", ".pdf")
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+RECORDED = "0.45"  # grey: what was seen, beside models in colours
 MARKS = ("o", "s", "^", "D", "v", "P", "X")
+_UNDATED = {"pdf": "CreationDate", "svg": "Date", "png": "Software"}  # what would tell the clock or the version
 _STYLE: Any = {
     "svg.hashsalt": "coast",
+    "text.parse_math": False,  # a name with $ in it is a name
+    "savefig.dpi": 150,
     "font.size": 9.0,
+    "legend.fontsize": 8.0,
+    "axes.titlesize": 9.0,
+    "axes.titlelocation": "left",
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.grid": True,
@@ -28,25 +38,67 @@ _STYLE: Any = {
 }
 
 
-def draw(path: Path, size: tuple[float, float], paint: Callable[[Any], object]) -> None:
-    """Write a picture of ``size`` (inches), painted onto a matplotlib Figure; the same data gives the same bytes.
+@dataclass(frozen=True)
+class Picture:
+    """What is drawn: its size (width and height in inches) and how it is painted onto a matplotlib Figure."""
 
-    Raises:
-        UsageError: matplotlib is not installed, the suffix is no picture, or the file cannot be written.
-    """
-    suffix = path.suffix.lower()
-    if suffix not in FORMATS:
-        raise UsageError(f"--plot {path}: the suffix does not say a picture; allowed: {', '.join(FORMATS)}.")
-    try:
+    size: tuple[float, float]
+    paint: Callable[[Any], object]
+
+    def render(self, format: str) -> bytes:
+        """Return the picture as ``png``, ``svg`` or ``pdf``; the same data gives the same bytes.
+
+        Raises:
+            UsageError: matplotlib is not installed.
+        """
+        require_matplotlib()
         from matplotlib import rc_context
         from matplotlib.figure import Figure
+
+        stream = BytesIO()
+        with rc_context(_STYLE), catch_warnings():
+            filterwarnings("ignore", "Glyph .* missing")  # a name in a script that the font lacks
+            figure = Figure(figsize=self.size, layout="constrained")
+            self.paint(figure)
+            _settle(figure)
+            figure.savefig(stream, format=format, metadata={_UNDATED[format]: None})
+        return stream.getvalue()
+
+    def write(self, path: Path) -> None:
+        """Write the picture in the format of the suffix.
+
+        Raises:
+            UsageError: matplotlib is not installed, the suffix is no picture, or the file cannot be written.
+        """
+        suffix = path.suffix.lower()
+        if suffix not in FORMATS:
+            raise UsageError(f"--plot {path}: the suffix does not say a picture; allowed: {', '.join(FORMATS)}.")
+        content = self.render(suffix[1:])
+        write_files({path: lambda stream: stream.write(content)}, binary=True)
+
+
+def draw(path: Path, size: tuple[float, float], paint: Callable[[Any], object]) -> None:
+    """Write a picture of ``size`` (inches), painted onto a matplotlib Figure; raises as ``Picture.write``."""
+    Picture(size, paint).write(path)
+
+
+def require_matplotlib() -> None:
+    """Refuse to draw where matplotlib is not installed.
+
+    Raises:
+        UsageError: saying what to install.
+    """
+    try:
+        import matplotlib.figure  # noqa: F401
     except ImportError:
-        raise UsageError("plots need matplotlib: install coast-cli[plot].") from None
-    undated = {".pdf": "CreationDate", ".svg": "Date"}.get(suffix, "Software")
-    with rc_context(_STYLE):
-        figure = Figure(figsize=size, layout="constrained")
-        paint(figure)
-        write_files(
-            {path: lambda stream: figure.savefig(stream, format=suffix[1:], dpi=150, metadata={undated: None})},
-            binary=True,
-        )
+        raise UsageError("plots and reports need matplotlib: install coast-cli[plot].") from None
+
+
+def _settle(figure: Any) -> None:  # noqa: ANN401
+    """Solve the layout once and round it: the solver's last digits change from call to call."""
+    import numpy as np
+
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
+    for axes in figure.get_axes():
+        axes.set_position(np.round(axes.get_position(original=True).bounds, 6))
