@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import numpy as np
 
+from coast_cli.design.limits import limits
 from coast_cli.design.stroke import stroke_table
 from coast_cli.errors import NotConverged
 from coast_cli.mechanics.beam import NO_EQUILIBRIUM
-from coast_cli.mechanics.pair import PairTable, pair_table
+from coast_cli.mechanics.pair import pair_table
+from coast_cli.mechanics.section import FloatArray
 from coast_cli.spec.build import Design
-from coast_cli.spec.config import Checks, LimitAtPoint
+from coast_cli.spec.config import LimitAtPoint
 from coast_cli.units import MILLIMETRE
 
 Row = dict[str, str | float | int | bool | None]
@@ -25,52 +27,42 @@ def check_design(design: Design) -> list[Row]:
     config = design.config
     if config.checks is None:
         raise config.refuse((), "there is nothing to check: no [checks] table")
+    figures: dict[str, FloatArray] = {}
+    if config.checks.max_total_precurvature_rad is not None or config.checks.rigidity_ratio is not None:
+        figures |= _pair_figures(design)
+    if config.checks.max_stroke_mm is not None:
+        figures |= _stroke_and_strain(design, config.checks.max_stroke_mm)
     return [
         {
             "config": config.source,
             "pair": "/".join(name for name in design.pair() if name),
-            "check": check,
-            "bound": bound,
-            "value": value,
-            "limit": limit,
-            "passed": value <= limit if bound == "max" else value >= limit,
-            "line": config.line("checks", check),
+            "check": limit.check,
+            "bound": limit.bound,
+            "value": figures[limit.figure].item(),
+            "limit": limit.limit,
+            "passed": bool(limit.holds(figures)),
+            "line": config.line("checks", limit.check),
         }
-        for check, bound, value, limit in _limits(design, config.checks)
+        for limit in limits(config)
     ]
 
 
-def _limits(design: Design, checks: Checks) -> Iterator[tuple[str, str, float, float]]:
-    """Yield (check, "min" or "max", value, limit)."""
-    if checks.max_total_precurvature_rad is not None:
-        value = _figures(design).total_precurvature.item()
-        yield "max_total_precurvature_rad", "max", value, checks.max_total_precurvature_rad
-    if checks.rigidity_ratio is not None:
-        figures, limits = _figures(design), checks.rigidity_ratio
-        ratio = figures.ratio_mean if limits.rigidity == "mean" else figures.ratio_series
-        for bound, limit in (("min", limits.min), ("max", limits.max)):
-            if limit is not None:
-                yield "rigidity_ratio", bound, ratio.item(), limit
-    if checks.max_stroke_mm is not None:
-        stroke, strain = _stroke_and_strain(design, checks.max_stroke_mm)
-        yield "max_stroke_mm", "max", stroke, checks.max_stroke_mm.value
-        if checks.max_tendon_strain is not None:
-            yield "max_tendon_strain", "max", strain, checks.max_tendon_strain
-
-
-def _figures(design: Design) -> PairTable:
-    """Return the table of the one pair."""
+def _pair_figures(design: Design) -> dict[str, FloatArray]:
     outer, middle = design.pair()
     if outer is None:
         message = "a limit on a pair needs an outer tube, and the joint has one tube"
         raise design.config.refuse(("checks",), message, found=middle, allowed="'OUTER/MIDDLE' as joint.pair")
-    figures = pair_table([design.tube(outer)], [design.tube(middle)], design.gravity)
-    if not figures.converged.all():
+    table = pair_table([design.tube(outer)], [design.tube(middle)], design.gravity)
+    if not table.converged.all():
         raise NotConverged(f"{outer}/{middle}: {NO_EQUILIBRIUM}.")
-    return figures
+    return {
+        "total_precurvature_rad": table.total_precurvature,
+        "rigidity_ratio_mean": table.ratio_mean,
+        "rigidity_ratio_series": table.ratio_series,
+    }
 
 
-def _stroke_and_strain(design: Design, limit: LimitAtPoint) -> tuple[float, float]:
+def _stroke_and_strain(design: Design, limit: LimitAtPoint) -> dict[str, FloatArray]:
     """Return stroke (mm) and tendon strain at the point of a limit."""
     if design.config.tendon is None:
         raise design.config.refuse(("checks", "max_stroke_mm"), "a stroke needs a [tendon] table")
@@ -78,7 +70,6 @@ def _stroke_and_strain(design: Design, limit: LimitAtPoint) -> tuple[float, floa
     columns, notes = stroke_table(
         design.joint(), lengths, curvatures=[limit.curvature_per_m], effects=design.effects
     )
-    stroke, strain = columns["stroke_mm"][0], columns["tendon_strain"][0]
-    if stroke is None:
+    if columns["stroke_mm"][0] is None:
         raise NotConverged(f"checks.max_stroke_mm: {notes[0]}")
-    return float(stroke), float(strain)
+    return {name: np.asarray(columns[name], dtype=float) for name in ("stroke_mm", "tendon_strain")}

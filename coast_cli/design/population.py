@@ -9,15 +9,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from coast_cli.mechanics.section import FloatArray, SectionKind, SectionProperties, full_section, notched_section
 from coast_cli.mechanics.tube import NotchedTube
-
-EndEffectChoice = Literal["none", "table"] | FloatArray
 
 
 @dataclass(frozen=True)

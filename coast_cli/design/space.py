@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +20,6 @@ from coast_cli.spec.tubes import BenchTube, Role, bench_tubes
 from coast_cli.spec.values import nominal
 from coast_cli.units import GIGAPASCAL, MILLIMETRE
 
-Source = Literal["measured", "interpolated", "held"]
 KEYS = ("depth_mm", "cut_mm", "uncut_mm", "count", "outer_diameter_mm", "inner_diameter_mm")
 _SAME_DEPTH = 1e-9  # mm
 _WHOLE = 1e-9  # pitches

@@ -140,11 +140,6 @@ class Recording(Generic[Run]):
     sources: tuple[tuple[str, str], ...] = ()
     notes: tuple[str, ...] = ()
 
-    def select(self, names: frozenset[str] | set[str], *, keep: bool = True) -> Recording[Run]:
-        """Return the recording with only the named runs, or without them when ``keep`` is False."""
-        runs = tuple(run for run in self.runs if (run.name in names) is keep)
-        return Recording(self.kind, runs, self.sources, self.notes)
-
 
 @dataclass(frozen=True, eq=False)
 class Recordings:

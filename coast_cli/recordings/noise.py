@@ -72,21 +72,9 @@ class NoiseEstimate:
         return self.level * self.log_level_std
 
     @property
-    def innovation(self) -> float:
-        """Noise that a sample does not share with the one before, as if the noise were AR(1): the fast part."""
-        return float(self.level * np.sqrt(1.0 - self.correlation**2))
-
-    @property
     def sure(self) -> bool:
         """Whether the level is known to about a third; slow noise on short runs is not."""
         return self.determined and self.log_level_std < SURE
-
-    def autocovariance(self, count: int) -> Floats:
-        """Return the covariance of the noise with itself 0, 1, ... ``count - 1`` samples later."""
-        lag = np.arange(count)
-        coloured = (1.0 - self.white_share) * self.memory**lag
-        covariance: Floats = self.level**2 * np.where(lag == 0, 1.0, coloured)
-        return covariance
 
     @property
     def words(self) -> str:

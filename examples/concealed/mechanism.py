@@ -95,7 +95,6 @@ class Line:
             self.creep_share = creep["stretch_ratio"] * joint.tendon_compliance * np.array([0.25, 0.5, 0.25])
             self.creep = np.zeros(3)
         self.slipped = 0.0
-        self.previous = 0.0
         self.speed = 0.0
         self.decay = np.zeros(3)
         self.trial: tuple[object, ...] = ()

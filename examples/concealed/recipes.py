@@ -54,10 +54,6 @@ def _sign(rng: np.random.Generator) -> float:
     return float(rng.choice([-1.0, 1.0]))
 
 
-def _releases(p: Protocol) -> bool:
-    return p.has(*RELEASING)
-
-
 def _reverses_at_two_heights(p: Protocol) -> bool:
     return p.has("partial", "cycles") or (
         sum(run.kind in RELEASING for run in p.runs) >= 2 and p.has("partial", "cycles", "ladder_down")

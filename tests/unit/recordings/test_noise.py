@@ -106,9 +106,6 @@ def test_a_white_and_a_coloured_part_at_once():
     estimate = estimate_noise(curved(drive) + noise, drive)
     assert estimate.level == pytest.approx(1.0, rel=0.2)
     assert estimate.white_share == pytest.approx(0.5, abs=0.2)
-    covariance = estimate.autocovariance(4)
-    assert covariance[0] == pytest.approx(estimate.level**2)
-    assert covariance[1] == pytest.approx(estimate.level**2 * estimate.correlation, rel=0.1)
 
 
 @pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
@@ -202,7 +199,6 @@ def test_words_say_how_sure():
     assert sure.sure
     assert sure.words.startswith("white, the level known within")
     assert sure.level_std == pytest.approx(sure.level * sure.log_level_std)
-    assert sure.innovation == pytest.approx(sure.level, rel=0.05)
     unsure = estimate_noise(loop(sweep(40)) + 0.1 * coloured(rng, 40, 0.8), sweep(40))
     assert unsure.sure or "factor" in unsure.words
 

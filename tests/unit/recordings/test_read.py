@@ -228,12 +228,6 @@ def test_tubes_of_a_shape(columns, cells, expected, written, config):
     assert (run.outer, run.middle) == expected
 
 
-def test_selecting_runs(written, config):
-    both = read_recordings([written(JOINT + ROWS + ROWS.replace("a,", "b,"))], config).joint
-    assert [run.name for run in both.select({"a"}).runs] == ["a"]
-    assert [run.name for run in both.select({"a"}, keep=False).runs] == ["b"]
-
-
 def row(number, text):
     """Return the reference file with its n-th line (from 1) replaced."""
     lines = (JOINT + ROWS).splitlines()
