@@ -156,10 +156,11 @@ class Checks(Document):
 
 @dataclass(frozen=True)
 class Origin:
-    """The file a configuration was read from and the places of its keys."""
+    """The file a configuration was read from, its text and the places of its keys."""
 
     file: str | None = None
     positions: dict[Path, Position] = field(default_factory=dict)
+    text: str = ""
 
     def refuse(
         self, path: Path, message: str, *, found: object = None, allowed: str | None = None, hint: str | None = None
@@ -205,6 +206,11 @@ class Config(Document):
     def refuse(self, path: Path, message: str, **facts: Any) -> BadInput:  # noqa: ANN401
         """Return the error that says what is wrong at a key; see ``Origin.refuse``."""
         return self._origin.refuse(path, message, **facts)
+
+    @property
+    def origin(self) -> Origin:
+        """Where it was read from; empty for a configuration made in Python."""
+        return self._origin
 
     def line(self, *path: str | int) -> int | None:
         """Return the line of a key, or of the nearest table above it."""

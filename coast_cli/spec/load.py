@@ -50,7 +50,7 @@ def load_config_text(text: str, name: str = "<text>") -> Config:
         raise BadInput("nested too deeply", file=name) from None
     if not tables:
         raise BadInput("the file is empty", file=name, line=1, hint="Run `coast init` for a commented example.")
-    origin = Origin(name, key_positions(text))
+    origin = Origin(name, key_positions(text), text)
     try:
         config = Config.model_validate(tables)
     except ValidationError as error:

@@ -5,6 +5,7 @@ It runs on text that ``tomllib`` has accepted, so it checks nothing: it only wal
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 Path = tuple[str | int, ...]
@@ -30,6 +31,14 @@ def key_positions(text: str) -> dict[Path, Position]:
     return _Scanner(text).scan()
 
 
+def line_comments(text: str) -> dict[int, str]:
+    """Return what the comment of each line of a valid TOML text says, by line; lines without one are left out."""
+    scanner = _Scanner(text)
+    scanner.scan()
+    place = _places(text)
+    return {place(start).line: text[start + 1 : end].strip() for start, end in scanner.comments}
+
+
 class _Scanner:
     """A cursor over the text; each method reads one construct and leaves the cursor behind it."""
 
@@ -38,6 +47,7 @@ class _Scanner:
         self.at = 0
         self.found: dict[Path, int] = {}
         self.last_index: dict[Path, int] = {}  # of each array of tables
+        self.comments: list[tuple[int, int]] = []  # from the mark to the end of the line
 
     def scan(self) -> dict[Path, Position]:
         table: Path = ()
@@ -140,7 +150,9 @@ class _Scanner:
         while self._peek():
             if self._peek() == "#":
                 end = self.text.find("\n", self.at)
-                self.at = len(self.text) if end < 0 else end
+                end = len(self.text) if end < 0 else end
+                self.comments.append((self.at, end))
+                self.at = end
             elif self._peek() in skipped:
                 self.at += 1
             else:
@@ -155,14 +167,21 @@ class _Scanner:
         return self.text[self.at : self.at + 1]
 
     def _positions(self) -> dict[Path, Position]:
-        from bisect import bisect_right
+        place = _places(self.text)
+        return {path: place(offset) for path, offset in self.found.items()}
 
-        line_starts = [0] + [index + 1 for index, character in enumerate(self.text) if character == "\n"]
-        places = {}
-        for path, offset in self.found.items():
-            line = bisect_right(line_starts, offset)
-            places[path] = Position(line, offset - line_starts[line - 1] + 1)
-        return places
+
+def _places(text: str) -> Callable[[int], Position]:
+    """Return what tells line and column of an offset into the text."""
+    from bisect import bisect_right
+
+    starts = [0] + [index + 1 for index, character in enumerate(text) if character == "\n"]
+
+    def place(offset: int) -> Position:
+        line = bisect_right(starts, offset)
+        return Position(line, offset - starts[line - 1] + 1)
+
+    return place
 
 
 def _unescape(raw: str) -> str:

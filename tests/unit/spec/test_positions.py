@@ -6,7 +6,7 @@ import tomli_w
 from hypothesis import given
 from hypothesis import strategies as st
 
-from coast_cli.spec.positions import key_positions
+from coast_cli.spec.positions import key_positions, line_comments
 
 bare = st.text("abcXYZ019_-", min_size=1, max_size=6)
 quoted = st.text(st.characters(exclude_categories=["Cs"]), max_size=6)
@@ -89,3 +89,12 @@ def test_the_forms_of_toml():
 
 def test_quoted_keys_are_read_with_their_escapes():
     assert list(key_positions('"a\\u0062\\n\\"" = 1')) == [('ab\n"',)]
+
+
+def test_comments_are_found_by_line_and_marks_inside_texts_are_none():
+    text = "# head\na = 1 # one\nb = \"# no\" # two\nc = [ # three\n  1,\n]\nd = '''\n# no\n'''\n[t] #\n"
+    assert line_comments(text) == {1: "head", 2: "one", 3: "two", 4: "three", 10: ""}
+
+
+def test_a_comment_at_the_very_end_needs_no_line_end():
+    assert line_comments("a = 1\n# last") == {2: "last"}
