@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -18,6 +18,13 @@ from coast_cli.units import MILLIMETRE
 LARGEST_DRIVE = 1e5  # 1/m or m: a circle smaller than any tube, a tendon longer than any
 
 
+class StrokeTable(NamedTuple):
+    """Columns by name, as `coast stroke` prints them, and notes on where the model is stretched."""
+
+    columns: dict[str, Any]
+    notes: tuple[str, ...]
+
+
 def stroke_table(
     joint: Joint,
     bending_lengths: Sequence[float],
@@ -25,8 +32,8 @@ def stroke_table(
     curvatures: Sequence[float] = (),
     strokes: Sequence[float] = (),
     effects: Sequence[Effect] = (),
-) -> tuple[dict[str, Any], tuple[str, ...]]:
-    """Return the columns of a stroke table and notes on where the model is stretched.
+) -> StrokeTable:
+    """Return every curvature (or stroke) with every bending length, the length slowest.
 
     Args:
         joint: one pair, or one tube. Without a tendon, stroke and strain have no value.
@@ -62,7 +69,7 @@ def stroke_table(
         "tip_y_mm": tip_y / MILLIMETRE,
     }
     closes = any(effect.id == "notch_closure" for effect in acting)
-    return columns, (*left_out, *_notes(joint, solution, closes=closes))
+    return StrokeTable(columns, (*left_out, *_notes(joint, solution, closes=closes)))
 
 
 def _solve(joint: Joint, length: FloatArray, drive: FloatArray, *, inverse: bool) -> StrokeSolution:
