@@ -13,13 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coast_cli.design.population import TubePopulation
-from coast_cli.mechanics.beam import solve_segments
+from coast_cli.mechanics.beam import solve_curvatures
 from coast_cli.mechanics.section import FloatArray
 
 if TYPE_CHECKING:
     from coast_cli.mechanics.joint import Joint
 
-BLOCK = 1024  # tubes solved at a time, so that their rows stay in the processor's cache
+BLOCK = 2048  # tubes solved at a time, so that their rows stay in the processor's cache
 _PAIRS = 256  # pairs merged at a time
 _TOGETHER = 1 << 18  # pairs times pieces at once where pieces are shared
 _WORTH_SHARING = 16  # pairs a group of patterns, from which on merging once is faster
@@ -65,9 +65,7 @@ def bent(tubes: TubePopulation, gravity: float, *, roll: FloatArray | float = 0.
     bend, converged = np.empty_like(rigidity), np.empty(tubes.size, dtype=bool)
     for first in range(0, tubes.size, BLOCK):
         part = slice(first, first + BLOCK)
-        solved = solve_segments(
-            length[part], rigidity[part], weight[part], natural[part, None], gravity=(0.0, -gravity)
-        )
+        solved = solve_curvatures(length[part], rigidity[part], weight[part], natural[part, None], gravity=gravity)
         bend[part], converged[part] = rigidity[part] * solved.curvature, solved.converged
     across = np.broadcast_to(tubes.natural_curvature * np.sin(roll), tubes.size)
     return BentTubes(length, rigidity, bend, tubes.rigidity_mean, tubes.rigidity_series, across, converged)
@@ -169,9 +167,7 @@ def _merge(
     columns["total_rigidity_series_n_m2"][:] = overlap / (length / rigidity).sum(axis=1)
 
 
-def _common_pieces(
-    outer: FloatArray, middle: FloatArray
-) -> tuple[FloatArray, NDArray[np.int64], NDArray[np.int64]]:
+def _common_pieces(outer: FloatArray, middle: FloatArray) -> tuple[FloatArray, NDArray[np.int64], NDArray[np.int64]]:
     """Return the lengths of the merged pieces of each pair (m), and which piece of either tube each lies in.
 
     Args:

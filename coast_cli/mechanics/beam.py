@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from coast_cli.mechanics.beam_problem import BeamProblem
-from coast_cli.mechanics.beam_solve import solve_problem
+from coast_cli.mechanics.beam_solve import solve_plain_turns, solve_problem
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.mechanics.tube import NotchedTube
 from coast_cli.mechanics.verdict import Verdict
@@ -108,6 +108,14 @@ class BeamTips:
     y: FloatArray
     converged: NDArray[np.bool_]
     residual: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class BeamCurvatures:
+    """Mean curvature of each piece of m beams, 1/m, shape (m, n), and whether each beam converged, shape (m,)."""
+
+    curvature: FloatArray
+    converged: NDArray[np.bool_]
 
 
 def solve_beam(tube: NotchedTube, gravity: float) -> BeamSolution:
@@ -244,6 +252,39 @@ def solve_tips(
         tips[:, left] = rest.angle[:, -1], rest.x[:, -1], rest.y[:, -1], rest.residual
         converged[left] = rest.converged
     return BeamTips(angle=tips[0], x=tips[1], y=tips[2], converged=converged, residual=tips[3])
+
+
+def solve_curvatures(
+    length: FloatArray, rigidity: FloatArray, weight: FloatArray, natural_curvature: ArrayLike, *, gravity: float
+) -> BeamCurvatures:
+    """Return only the curvatures of m beams clamped along +x, right to 1e-9 of the largest, at thrice the speed.
+
+    Args:
+        length, rigidity, weight, natural_curvature: as for ``solve_segments``. gravity: along -y, m/s^2.
+
+    Beams out of the ordinary (several equilibria, very soft, pieces that must be divided) are left to it.
+    """
+    nothing = np.zeros(len(length))
+    rows = [np.ascontiguousarray(column.T) for column in (length, rigidity, weight)]
+    with np.errstate(all="ignore"):  # what overflows is left to solve_segments
+        problem = BeamProblem(
+            length=rows[0],
+            flexibility=rows[0] / rows[1],
+            bend=rows[0] * np.broadcast_to(natural_curvature, length.shape).T,
+            load=rows[0] * rows[2] * gravity,
+            thrust=nothing,
+            shear=nothing,
+            moment=nothing,
+            base=nothing,
+        )
+        turns, converged = solve_plain_turns(problem)
+        curvature = (turns / np.where(rows[0] == 0.0, 1.0, rows[0])).T
+    left = np.flatnonzero(~converged)
+    if left.size > 0:
+        natural = np.broadcast_to(natural_curvature, length.shape)[left]
+        rest = solve_segments(length[left], rigidity[left], weight[left], natural, gravity=(0.0, -gravity))
+        curvature[left], converged[left] = rest.curvature, rest.converged
+    return BeamCurvatures(curvature, converged)
 
 
 @dataclass(frozen=True, slots=True)

@@ -188,6 +188,31 @@ def march_turn(problem: BeamProblem, cosine: Number, sine: Number) -> Number:
     return total
 
 
+def march_turns(problem: BeamProblem, tip_angle: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """March from tip angles (rad), shape (m,), and correct to first order.
+
+    Returns:
+        The turn of each piece from clamp to tip, rad, shape (n, m), and the correction of the tip angle, rad.
+    """
+    thrust, shear, moment = problem.tip_loads
+    cosine, sine = rotation(problem, tip_angle)
+    turns, slopes = np.empty_like(problem.length), np.ones((problem.length.shape[0] + 1, problem.count))
+    total = 0.0 * tip_angle
+    slope, moment_slope = total + 1.0, total
+    node = problem.length.shape[0]
+    for length, flexibility, bend, load in problem.pieces:
+        node -= 1
+        turns[node], cosine, sine, moment, forces, series = segment_turn(
+            length, flexibility, bend, load, thrust, cosine, sine, moment, shear
+        )
+        slope, moment_slope = segment_tangent(length, flexibility, forces, series, slope, moment_slope)
+        shear = shear + load
+        total = total + turns[node]
+        slopes[node] = slope
+    change = (tip_angle + total - problem.base) / np.where(slope == 0.0, np.inf, slope)
+    return np.diff(slopes, axis=0) * -change - turns, change
+
+
 def march_shape(problem: BeamProblem, cosine: Number, sine: Number, trace: Trace) -> tuple[Number, Number]:
     """March as ``march`` does and write every node into ``trace``."""
     thrust, shear, moment = problem.tip_loads

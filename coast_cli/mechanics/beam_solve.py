@@ -12,12 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coast_cli.mechanics.beam_continuation import follow
-from coast_cli.mechanics.beam_problem import BeamProblem, Trace, march_shape, march_turn, rotation
+from coast_cli.mechanics.beam_problem import BeamProblem, Trace, march_shape, march_turn, march_turns, rotation
 from coast_cli.mechanics.beam_start import Start, find_start
 from coast_cli.mechanics.section import FloatArray
 
 FINE_TURN = 0.04  # rad a step at most: a beam then errs by 1e-12 of its length
 LAST_CHANGE = 1e-7  # rad; a last correction this small is applied to first order
+ONLY_CHANGE = 1e-5  # rad; the same where turns to 1e-9 are enough and one march is all
 CLAMP_TOLERANCE = 1e-10  # rad
 _MOST_STEPS = 30
 _SAME_EQUILIBRIUM = 0.3  # rad between the coarse and the full beam
@@ -71,6 +72,17 @@ def solve_problem(problem: BeamProblem) -> Equilibria:
         table[:, lost] = 0.0
     result.residual[~np.isfinite(result.residual)] = np.pi
     return result
+
+
+def solve_plain_turns(problem: BeamProblem) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Return the turn of each piece, rad, shape (n, m), by one march, and for which beams that is enough, (m,).
+
+    Enough are fine pieces, one equilibrium, and a coarse start so near that the turns are right to 1e-9 of the largest.
+    """
+    start = find_start(problem)
+    plain = start.found & (start.equilibria == 1) & (start.turned_at == 1.0) & (_fineness(problem, start) == 0)
+    turns, change = march_turns(problem, start.tip_angle)
+    return turns, plain & (np.abs(change) <= ONLY_CHANGE) & np.isfinite(turns).all(axis=0)
 
 
 def _solve_into(problem: BeamProblem, result: Equilibria) -> None:

@@ -6,7 +6,7 @@ from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 from coast_cli.mechanics import beam as beam_module
-from coast_cli.mechanics.beam import solve_beam, solve_beams, solve_segments, solve_tips
+from coast_cli.mechanics.beam import solve_beam, solve_beams, solve_curvatures, solve_segments, solve_tips
 from coast_cli.mechanics.section import full_section, notched_section
 from coast_cli.mechanics.tube import NotchedTube
 
@@ -123,6 +123,24 @@ def test_tips_without_numba(monkeypatch):
     tips = solve_tips(*columns, gravity=(1.0, -9.0), tip_force=(1e-5, 0.0), tip_moment=1e-7, base_angle=0.2)
     shapes = solve_segments(*columns, gravity=(1.0, -9.0), tip_force=(1e-5, 0.0), tip_moment=1e-7, base_angle=0.2)
     assert tips.x == pytest.approx(shapes.x[:, -1], abs=1e-14)
+
+
+@pytest.mark.parametrize(("deepest", "curvature"), [(1.5, 15.0), (1.93, 40.0)], ids=["plain", "some soft"])
+def test_curvatures_by_one_march_equal_the_full_solution(deepest, curvature):
+    length, *columns = many(300, seed=7, deepest=deepest, curvature=curvature)
+    length = np.where(np.arange(376) < np.where(np.arange(300) % 3 == 0, 250, 376)[:, None], length, 0.0)
+    found = solve_curvatures(length, *columns, gravity=GRAVITY)
+    whole = solve_segments(length, *columns, gravity=(0.0, -GRAVITY))
+    assert np.array_equal(found.converged, whole.converged)
+    error = np.max(np.abs(found.curvature - whole.curvature), axis=1)
+    assert np.all(error <= 1e-9 * np.max(np.abs(whole.curvature), axis=1))
+
+
+def test_a_beam_that_cannot_be_solved_has_no_curvature_either():
+    columns = np.full((2, 40), 1e-3), np.array([[1e-4], [1e-30]]) * np.ones(40), np.full((2, 40), 1e-2)
+    found = solve_curvatures(*columns, 0.0, gravity=GRAVITY)
+    assert found.converged.tolist() == [True, False]
+    assert np.all(np.isfinite(found.curvature))
 
 
 finite = st.floats(-1e300, 1e300, allow_nan=False, allow_subnormal=False)
