@@ -9,9 +9,10 @@ from __future__ import annotations
 import gc
 import os
 import sys
+import warnings
 from collections.abc import Sequence
 
-from coast_cli.errors import CoastError
+from coast_cli.errors import CoastError, printable
 
 INTERRUPTED = 130
 INTERNAL = 4
@@ -25,14 +26,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from coast_cli.cli.app import run
 
+    if arguments is None:
+        if not sys.warnoptions:
+            # An overflow is refused by its result, in a sentence; numpy's own words would stand before it.
+            warnings.simplefilter("ignore", RuntimeWarning)
+        arguments = sys.argv[1:]
     try:
-        return run(sys.argv[1:] if arguments is None else list(arguments))
+        return run(list(arguments))
     except KeyboardInterrupt:
         sys.stderr.write("coast: interrupted.\n")
         return INTERRUPTED
     except Exception as error:  # noqa: BLE001  # the one place that catches everything
         text, code = _explain(error)
-        sys.stderr.write(f"coast: {text}\n")
+        sys.stderr.write(f"coast: {printable(text)}\n")
         return code
 
 

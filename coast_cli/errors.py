@@ -11,6 +11,9 @@ class CoastError(Exception):
 
     exit_code = 4
 
+    def __init__(self, message: str) -> None:
+        super().__init__(printable(message))
+
 
 class UsageError(CoastError):
     """The command line asks for something that does not exist or cannot go together."""
@@ -69,6 +72,13 @@ class BadInput(CoastError):
             head += f"; allowed: {self.allowed}"
         head += "."
         return f"{head} {self.hint}" if self.hint else head
+
+
+def printable(text: str) -> str:
+    """Return a text as one line that no terminal obeys: what does not print is shown by its escape."""
+    if text.isprintable():
+        return text
+    return "".join(mark if mark.isprintable() else mark.encode("unicode_escape").decode() for mark in text)
 
 
 def nearest(name: str, known: Iterable[str]) -> str:

@@ -24,6 +24,7 @@ from coast_cli.units import MILLIMETRE
 _FIRST_LIMIT = 64.0  # 1/m; a table reaches twice as far as the one before
 _LARGEST_CURVATURE = 1e5
 _STEP, _ACTUATOR_ERROR = 2e-6, 1e-3  # m; nodes of the stroke where the actuator has an error, and its most
+_LONGEST_STROKE = 2.0  # m, past any actuator; a million of those nodes
 _HELD = 1e-12  # m of stroke, N of tension
 
 
@@ -119,7 +120,8 @@ def loading_branch(
     while limit <= _LARGEST_CURVATURE:
         nodes = _nodes(stations, ordered, limit)
         if nodes.mean[0] < limit * (1.0 - _HELD):  # else the table ends before the shape at rest
-            parts.append(nodes.beyond(parts[-1].mean[-1]) if parts else nodes)
+            further = nodes.beyond(parts[-1].mean[-1] if parts else -np.inf)
+            parts += [further] if further.mean.size else []
             found = _branch(_joined(parts), stations, joint, ordered, bending_length)
             if found.curvature.max() >= curvature and (joint.tendon is None or found.stroke.max() >= stroke):
                 return found
@@ -186,6 +188,8 @@ def _branch(
 
 def _through_actuator(ideal: LoadingBranch, effects: Sequence[Effect], bending_length: float) -> LoadingBranch:
     """Return the branch over the commanded stroke, where the actuator's own error comes before the tendon."""
+    if float(np.ptp(ideal.stroke)) > _LONGEST_STROKE:
+        raise NotConverged(f"the corrected model wants more than {_LONGEST_STROKE:g} m of stroke: give a smaller one.")
     commanded = np.arange(ideal.stroke[0] - _ACTUATOR_ERROR, ideal.stroke.max(), _STEP)
     curvature, tension, stretch = ideal.at_stroke(_driven(effects, commanded, bending_length).drive)
     moving = np.flatnonzero(curvature > curvature[0])

@@ -9,7 +9,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from coast_cli.errors import UsageError
+from coast_cli.errors import UsageError, printable
 from coast_cli.output.answer import Answer
 from coast_cli.output.atomic import write_files
 from coast_cli.output.stdout import to_stdout
@@ -46,7 +46,7 @@ def write_answer(
 
 def say(text: str) -> None:
     """Tell the user something that is not data, on stderr."""
-    sys.stderr.write(f"coast: {text}\n")
+    sys.stderr.write(f"coast: {printable(text)}\n")
 
 
 def _format_of(path: Path, formats: Sequence[str]) -> str:

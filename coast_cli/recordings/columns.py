@@ -28,7 +28,7 @@ TEXTS = ("run", "outer", "middle", "tube", "natural")
 RESPONSES = ("notch", "curvature", "bend")
 JOINT = {"run", "time", "outer", "middle", "bending_length", "stroke", "tension", "curvature", "bend", "notch"}
 SHAPE = {"run", "outer", "middle", "tube", "natural", "x", "y"}
-NOTCH = re.compile(r"notch_(\d+)(?:_(.*))?")
+NOTCH = re.compile(r"notch_(\d{1,6})(?:_(.*))?")
 Kind = Literal["joint", "shape"]
 
 

@@ -51,7 +51,7 @@ def read_grey(path: Path) -> NDArray[np.float32]:
     """
     import warnings
 
-    from PIL import Image, UnidentifiedImageError
+    from PIL import Image
 
     if path.is_dir():
         raise BadInput("is a folder", file=path, allowed="an image file")
@@ -63,7 +63,9 @@ def read_grey(path: Path) -> NDArray[np.float32]:
                 levels = _grey(picture)
     except FileNotFoundError as error:
         raise BadInput("there is no such image", file=path) from error
-    except (UnidentifiedImageError, Image.DecompressionBombError, OSError, SyntaxError, ValueError, EOFError) as error:
+    except BadInput:
+        raise
+    except Exception as error:  # a damaged file makes a decoder raise anything
         known = "PNG, TIFF, JPEG or another file that Pillow reads, at most 100 megapixels"
         raise BadInput("cannot be read as an image", file=path, allowed=known) from error
     if not np.isfinite(levels).all():

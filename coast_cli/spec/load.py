@@ -14,7 +14,7 @@ from coast_cli.spec.config import Config, Origin
 from coast_cli.spec.explore import check_explore
 from coast_cli.spec.positions import key_positions
 from coast_cli.spec.tubes import check_design
-from coast_cli.spec.values import REFUSED
+from coast_cli.spec.values import NUMBER, REFUSED, TABLE
 
 if TYPE_CHECKING:
     from pydantic_core import ErrorDetails
@@ -28,6 +28,7 @@ _ADVICE = {
     "extra_forbidden": "there is no such key",
     "too_short": "nothing in it",
 }
+_TAGS = {NUMBER, TABLE, "[key]"}  # in pydantic's locations: the tags of a union, and the key of a dict
 _EXPECTED = {"model_type": "a table", "dict_type": "a table", "tuple_type": "a list"}
 
 
@@ -102,14 +103,14 @@ def _first_refusal(errors: list[ErrorDetails], origin: Origin) -> BadInput:
     """Return the refusal to show: a misspelt key first, since what it leaves missing follows from it, then by place."""
 
     def order(error: ErrorDetails) -> tuple[bool, int]:
-        place = origin.positions.get(_key_path(error["loc"]))
+        place = origin.positions.get(_key_path(error))
         return (error["type"] != "extra_forbidden", place.line if place else 0)
 
     return _refusal(min(errors, key=order), origin)
 
 
 def _refusal(error: ErrorDetails, origin: Origin) -> BadInput:
-    path = _key_path(error["loc"])
+    path = _key_path(error)
     kind = error["type"]
     hint = None
     allowed = error.get("ctx", {}).get("allowed") if kind == REFUSED else _EXPECTED.get(kind)
@@ -124,9 +125,11 @@ def _refusal(error: ErrorDetails, origin: Origin) -> BadInput:
     return origin.refuse(path, message, found=found, allowed=allowed, hint=hint)
 
 
-def _key_path(location: tuple[int | str, ...]) -> positions.Path:
-    """Drop what pydantic adds to a location beyond keys and indices: the tags of a union, ``[key]`` of a dict."""
-    return tuple(part for part in location if isinstance(part, int) or part[:1] not in {"<", "["})
+def _key_path(error: ErrorDetails) -> positions.Path:
+    """Drop what pydantic adds to a location beyond keys and indices; the last of a key that is not known is its own."""
+    *above, last = error["loc"]
+    path = tuple(part for part in above if part not in _TAGS)
+    return path if last in _TAGS and error["type"] != "extra_forbidden" else (*path, last)
 
 
 def _shown(value: object) -> object:

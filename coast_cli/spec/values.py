@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, StringConstraints
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
+NUMBER, TABLE = "<number>", "<table>"  # which form of a calibratable number a location is in
 REFUSED = "refused"  # the error type that carries its own "allowed" text
 
 
@@ -72,7 +73,7 @@ class Within:
             return _worded(number, f"a number {self.text}")
         if source == float | Calibrated:
             table = core_schema.no_info_after_validator_function(self._ordered, handler.generate_schema(Calibrated))
-            choices = {"<number>": _worded(number, f"a number {self.text}, or {{ value, min, max }}"), "<table>": table}
+            choices = {NUMBER: _worded(number, f"a number {self.text}, or {{ value, min, max }}"), TABLE: table}
             return core_schema.tagged_union_schema(choices, discriminator=_table_or_number)
         several = core_schema.tuple_variable_schema(number, min_length=1, strict=False)
         either = core_schema.union_schema([number, several])
@@ -94,7 +95,7 @@ def _worded(schema: CoreSchema, text: str) -> CoreSchema:
 
 
 def _table_or_number(value: object) -> str:
-    return "<table>" if isinstance(value, dict | Calibrated) else "<number>"
+    return TABLE if isinstance(value, dict | Calibrated) else NUMBER
 
 
 Diameter = Annotated[float, Within(0.01, 100.0)]
