@@ -16,6 +16,7 @@ from coast_cli.errors import CoastError, printable
 
 INTERRUPTED = 130
 INTERNAL = 4
+_HELP = "Try `coast --help`, or --help after a command"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -48,7 +49,8 @@ def _explain(error: Exception) -> tuple[str, int]:
     if isinstance(error, CoastError):
         return str(error), error.exit_code
     if isinstance(error, TyperException):
-        return f"{error.format_message().rstrip('.')}. Try `coast --help`, or --help after a command.", error.exit_code
+        advice = "`coast init` writes one to start from" if "'CONFIG" in error.format_message() else _HELP
+        return f"{error.format_message().rstrip('.')}. {advice}.", error.exit_code
     kind, place = type(error).__name__, _last_line(error)
     return f"internal error, please report it: {kind} at {place}: {error}", INTERNAL
 

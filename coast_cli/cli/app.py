@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from importlib import import_module
 from typing import Annotated, Any
 
 import typer
 
 from coast_cli import __version__
+from coast_cli.errors import UsageError, nearest
 
 # Each command and where its function is; `coast --help` loads them all, so their modules import nothing heavy.
 COMMANDS = {
@@ -36,10 +38,12 @@ def run(arguments: list[str]) -> int:
     """Run one command line and return its exit code.
 
     Raises:
-        CoastError: what the command refuses.
+        CoastError: what the command refuses, or that there is no such command.
         typer.exceptions.TyperException: what typer refuses of the command line.
     """
     asked = next((word for word in arguments if not word.startswith("-")), None)
+    if asked is not None and asked not in COMMANDS:
+        raise UsageError(f"there is no command {asked!r}. {_like(asked)} `coast --help` lists them.".replace("  ", " "))
     known = [asked] if asked in COMMANDS else list(COMMANDS)
     code = _app(known)(args=arguments, standalone_mode=False)
     return code if isinstance(code, int) else 0
@@ -50,8 +54,19 @@ def _app(names: list[str]) -> Any:  # noqa: ANN401
     app.callback()(_coast)
     for name in names:
         module, function = COMMANDS[name].split(":")
-        app.command(name)(getattr(import_module(module), function))
+        command = getattr(import_module(module), function)
+        app.command(name, short_help=_first_sentence(command))(command)
     return app
+
+
+def _first_sentence(command: Callable[..., object]) -> str:
+    """Return what the list of commands says of one, whole where typer would cut it."""
+    return " ".join((command.__doc__ or "").partition("\n\n")[0].partition(";")[0].split()).rstrip(".")
+
+
+def _like(asked: str) -> str:
+    begun = [name for name in COMMANDS if name.startswith(asked)]
+    return f"Did you mean {' or '.join(begun)}?" if begun else nearest(asked, COMMANDS)
 
 
 def _show_version(*, asked: bool) -> None:

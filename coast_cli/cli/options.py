@@ -9,7 +9,7 @@ import typer
 
 ConfigArgument = Annotated[Path, typer.Argument(metavar="CONFIG", help="configuration (TOML)", show_default=False)]
 ConfigsArgument = Annotated[
-    list[Path], typer.Argument(metavar="CONFIG...", help="configurations (TOML)", show_default=False)
+    list[Path], typer.Argument(metavar="CONFIG", help="configurations (TOML)", show_default=False)
 ]
 FormatOption = Annotated[
     str | None, typer.Option("--format", "-f", metavar="FORMAT", help="table, json or csv, to stdout")

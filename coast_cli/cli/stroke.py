@@ -36,16 +36,18 @@ def stroke(
     from coast_cli.output.provenance import provenance
     from coast_cli.output.write import say, write_answer
     from coast_cli.spec.build import build
-    from coast_cli.spec.load import REFERENCE, load_config
+    from coast_cli.spec.load import REFERENCE, load_config, load_config_text, read_text
     from coast_cli.units import MILLIMETRE
 
     if (kappa is None) == (stroke is None):
         raise UsageError("give either --kappa (curvatures) or --stroke (to invert).")
-    if config is None:
-        config = WORKING_COPY if WORKING_COPY.exists() else REFERENCE
-        name = config if config == WORKING_COPY else "the reference input that ships in the package"
-        say(f"no CONFIG given: reading {name}.")
-    document = load_config(config)
+    if config is None and not WORKING_COPY.exists():
+        say("no CONFIG given: reading the reference input that ships in the package.")
+        document = load_config_text(read_text(REFERENCE), REFERENCE.name)
+    else:
+        if config is None:
+            say(f"no CONFIG given: reading {WORKING_COPY}.")
+        document = load_config(config or WORKING_COPY)
     design = build(document)
     joint = design.joint(pair)
     columns, notes = stroke_table(

@@ -68,6 +68,8 @@ def stroke_table(
         "tip_x_mm": tip_x / MILLIMETRE,
         "tip_y_mm": tip_y / MILLIMETRE,
     }
+    if min(bending_lengths) < joint.pitch:
+        left_out = (*left_out, f"a bending length is below one pitch, {joint.pitch / MILLIMETRE:g} mm: is it in mm?")
     closes = any(effect.id == "notch_closure" for effect in acting)
     return StrokeTable(columns, (*left_out, *_notes(joint, solution, closes=closes)))
 

@@ -52,7 +52,8 @@ def say(text: str) -> None:
 def _format_of(path: Path, formats: Sequence[str]) -> str:
     known = {suffix: name for suffix, name in SUFFIXES.items() if name in formats}
     if path.suffix.lower() not in known:
-        raise UsageError(f"-o {path}: the suffix does not say a format; allowed: {', '.join(known)}.")
+        hint = " A spreadsheet opens .csv." if path.suffix.lower() in {".xlsx", ".xls", ".ods"} else ""
+        raise UsageError(f"-o {path}: the suffix does not say a format; allowed: {', '.join(known)}.{hint}")
     return known[path.suffix.lower()]
 
 

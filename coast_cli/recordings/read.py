@@ -230,7 +230,8 @@ def _pair_names(
             "no middle tube is named",
             name=middle.name,
             row=stretch[0],
-            allowed="a middle column, joint.pair in the config, or --pair OUTER/MIDDLE",
+            allowed="a middle column, --pair OUTER/MIDDLE, or joint.pair in the configuration",
+            hint="`coast recordings` takes a configuration with --config.",
         )
     return name_outer, name_middle
 

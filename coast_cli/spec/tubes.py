@@ -90,6 +90,8 @@ def pair_names(config: Config, pair: str, *, path: Path = ("joint", "pair")) -> 
         names = [sample.name for sample in stock.samples] if stock else []
         if name not in names:
             allowed = ", ".join(names) if names else f"none, since there is no [{role}]"
+            if len(parts) == 1 and config.outer is not None:
+                allowed = f"'OUTER/MIDDLE', or one of {allowed}"
             raise config.refuse(
                 path, f"there is no {role} tube of that name", found=name, allowed=allowed, hint=nearest(name, names)
             )

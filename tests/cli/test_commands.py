@@ -155,6 +155,7 @@ def test_stroke_without_a_config_says_what_it_reads(coast, reference, tmp_path, 
     ran = coast("stroke", "--kappa", "20", "--x2", "20", "-f", "csv")
     assert ran.code == 0
     assert "the reference input that ships in the package" in ran.err
+    assert '"file": "reference.toml"' in coast("stroke", "--kappa", "20", "--x2", "20", "-f", "json").out
     (tmp_path / "configs").mkdir()
     changed = reference.read_text().replace("deadband_mm = 1.2", "deadband_mm = 0.2")
     (tmp_path / "configs" / "tubes.toml").write_text(changed)

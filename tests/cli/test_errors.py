@@ -65,3 +65,31 @@ def test_a_reader_that_leaves_early_is_no_error(reference):
     ran = subprocess.run(command, stdout=writer, stderr=subprocess.PIPE, text=True, check=False)
     os.close(writer)
     assert (ran.returncode, ran.stderr) == (0, "")
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("rank",), "there is no command 'rank'. Did you mean rank-pairs? `coast --help` lists them."),
+        (("zzz",), "there is no command 'zzz'. `coast --help` lists them."),
+        (("check",), "`coast init` writes one to start from."),
+        (("rank-pairs", "{config}", "-o", "pairs.xlsx"), "A spreadsheet opens .csv."),
+    ],
+)
+def test_a_newcomers_slip_is_answered_with_the_next_step(coast, reference, words, said):
+    ran = coast(*(word.format(config=reference) for word in words))
+    assert (ran.code, ran.out) == (2, "")
+    assert said in ran.err
+
+
+def test_a_pair_with_the_wrong_sign_between_is_told_the_right_one(coast, reference):
+    assert "'OUTER/MIDDLE', or one of MT1" in coast("stroke", reference, "--kappa", "1", "--x2", "9", "--pair", "OT4,MT1").err
+
+
+def test_a_bending_length_in_metres_is_doubted(coast, reference):
+    assert "below one pitch, 0.6 mm: is it in mm?" in coast("stroke", reference, "--kappa", "20", "--x2", "0.02").err
+    assert "is it in mm" not in coast("stroke", reference, "--kappa", "20", "--x2", "1").err
+
+
+def test_the_list_of_commands_cuts_no_sentence(coast):
+    assert "..." not in coast("--help").out.partition("Commands:")[2]
