@@ -27,6 +27,7 @@ COMMANDS = {
     "compare": "coast_cli.cli.compare:compare",
     "diagnose": "coast_cli.cli.diagnose:diagnose",
     "plan": "coast_cli.cli.plan:plan",
+    "report": "coast_cli.cli.report:report",
     "validate": "coast_cli.cli.validate:validate",
     "init": "coast_cli.cli.init:init",
     "schema": "coast_cli.cli.schema:schema",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from contextlib import ExitStack
 from pathlib import Path
 from typing import IO, Any
@@ -42,3 +42,28 @@ def write_files(writers: Mapping[Path, Writer], *, binary: bool = False) -> None
         for draft, target in moves:
             if draft != target:
                 draft.replace(target)
+
+
+def check_suffix(option: str, path: Path, allowed: Collection[str]) -> None:
+    """Refuse a file whose suffix does not say one of the formats, before any work is done for it.
+
+    Raises:
+        UsageError: naming the option.
+    """
+    if path.suffix.lower() not in allowed:
+        raise UsageError(f"{option} {path}: the suffix does not say a format; allowed: {', '.join(allowed)}.")
+    if path.is_dir():
+        raise UsageError(f"{option} {path}: this is a folder, not a file.")
+
+
+def check_folder(path: Path) -> None:
+    """Refuse a file whose folder is not there or takes no new file, before any work is done for it.
+
+    Raises:
+        UsageError: naming the file.
+    """
+    folder = path.resolve().parent
+    if not folder.is_dir():
+        raise UsageError(f"{path}: cannot be written, as there is no folder {path.parent}.")
+    if not os.access(folder, os.W_OK) and not path.exists():
+        raise UsageError(f"{path}: cannot be written, as its folder does not allow it.")

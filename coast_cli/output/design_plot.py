@@ -33,7 +33,7 @@ def plot_pairs(columns: Mapping[str, Any], rigidity: str) -> Picture:
         axes.plot(x[front], y[front], "o", mfc="none", mec="black", ms=10, mew=0.8, label="front")
         if x.size <= _MOST_LABELS:
             for name, at_x, at_y in zip(table["sample"], x, y, strict=True):
-                axes.annotate(str(name), (at_x, at_y), xytext=(6, 4), textcoords="offset points", fontsize=8)
+                _name(axes, str(name), at_x, at_y)
         _label(axes, "total_precurvature_rad", figure)
 
     def paint(figure: Any) -> None:  # noqa: ANN401
@@ -62,7 +62,7 @@ def plot_front(front: Sequence[Mapping[str, Any]], bench: Mapping[str, Any], rig
             axes.plot(x, y, MARKS[1], color=COLOURS[1], ms=5, label="bench")
             for label, at_x, at_y in zip(bench["sample"], x, y, strict=True):
                 if len(bench["sample"]) <= _MOST_LABELS and np.isfinite(at_x):
-                    axes.annotate(str(label), (at_x, at_y), xytext=(5, 4), textcoords="offset points", fontsize=7)
+                    _name(axes, str(label), at_x, at_y)
             _label(axes, "total_precurvature_rad", name)
             axes.set_title(title)
         figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2)
@@ -74,6 +74,8 @@ def plot_shapes(columns: Mapping[str, Any]) -> Picture:
     """Draw the shapes of tubes under gravity, both axes to one scale."""
     names, x, y = (np.asarray(columns[key]) for key in ("tube", "x_mm", "y_mm"))
     tubes = list(dict.fromkeys(names.tolist()))
+    wide, high = np.ptp(x), np.ptp(y)
+    height = float(np.clip(5.0 * high / wide + 0.9, 1.8, 8.0)) if wide > 0.0 else 8.0
 
     def paint(figure: Any) -> None:  # noqa: ANN401
         axes = figure.subplots()
@@ -86,7 +88,7 @@ def plot_shapes(columns: Mapping[str, Any]) -> Picture:
         axes.set_aspect("equal", adjustable="box")
         axes.set(xlabel="x, along the clamp (mm)", ylabel="y, against gravity (mm)")
 
-    return Picture((6.0, 4.2), paint)
+    return Picture((6.0, height), paint)
 
 
 def plot_strokes(columns: Mapping[str, Any]) -> Picture:
@@ -114,7 +116,7 @@ def plot_tolerance(pair: str, rows: Iterable[Mapping[str, Any]], columns: Mappin
     known = list(rows)
     figures = [row for row in known if row["kind"] == "figure"]
     limits = [row for row in known if row["kind"] == "check" and row["limit"] is not None]
-    across = 3
+    across = 4
     down = -(-len(figures) // across)
 
     def paint(figure: Any) -> None:  # noqa: ANN401
@@ -133,11 +135,12 @@ def plot_tolerance(pair: str, rows: Iterable[Mapping[str, Any]], columns: Mappin
             axes.set_yticks([])
             axes.locator_params(axis="x", nbins=4)
             axes.grid(visible=False)
+            axes.spines["left"].set_visible(False)
         named = {name: line for axes in panels for line, name in zip(*axes.get_legend_handles_labels(), strict=True)}
         figure.suptitle(f"{pair}, {values.size} samples", x=0.01, ha="left")
         figure.legend(named.values(), named.keys(), loc="outside lower center", ncols=2)
 
-    return Picture((9.0, 2.1 * down + 0.8), paint)
+    return Picture((9.0, 1.9 * down + 0.8), paint)
 
 
 def _bounds(check: str, figure: str, rows: Sequence[Mapping[str, Any]]) -> bool:
@@ -147,6 +150,12 @@ def _bounds(check: str, figure: str, rows: Sequence[Mapping[str, Any]]) -> bool:
     return figure == name or (
         figure.startswith(f"{name}_") and any(row["name"] == figure and row["nominal"] in nominal for row in rows)
     )
+
+
+def _name(axes: Any, name: str, x: float, y: float) -> None:  # noqa: ANN401
+    """Write the name of a point beside it, kept clear of lines."""
+    clear = {"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.7}
+    axes.annotate(name, (x, y), xytext=(6, 4), textcoords="offset points", fontsize=8, bbox=clear)
 
 
 def _label(axes: Any, x: str, y: str) -> None:  # noqa: ANN401

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from importlib import import_module
@@ -12,7 +11,7 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
 from coast_cli.errors import UsageError
-from coast_cli.output.atomic import write_files
+from coast_cli.output.atomic import check_folder, check_suffix, write_files
 from coast_cli.output.stdout import to_stdout
 
 if TYPE_CHECKING:
@@ -65,13 +64,13 @@ class Outputs:
         if self.format is not None and self.format not in RENDERERS:
             raise UsageError(f"--format {self.format}: not a format of a diagnosis; allowed: {', '.join(RENDERERS)}.")
         for path in self.files:
-            _check_suffix("-o", path, SUFFIXES)
+            check_suffix("-o", path, SUFFIXES)
         if self.model is not None:
-            _check_suffix("--save-model", self.model, (".toml",))
+            check_suffix("--save-model", self.model, (".toml",))
         if self.report is not None:
-            _check_suffix("--report", self.report, (".html", ".htm"))
+            check_suffix("--report", self.report, (".html", ".htm"))
         if self.plot is not None:
-            _check_suffix("--plot", self.plot, PICTURES)
+            check_suffix("--plot", self.plot, PICTURES)
         if self.plot is not None or self.report is not None:
             from coast_cli.output.picture import require_matplotlib
 
@@ -80,11 +79,7 @@ class Outputs:
         for place, path in enumerate(named):
             if path.resolve() in [other.resolve() for other in named[:place]]:
                 raise UsageError(f"{path}: named for two outputs.")
-            folder = path.resolve().parent
-            if not folder.is_dir():
-                raise UsageError(f"{path}: cannot be written, as there is no folder {path.parent}.")
-            if not os.access(folder, os.W_OK) and not path.exists():
-                raise UsageError(f"{path}: cannot be written, as its folder does not allow it.")
+            check_folder(path)
 
     @property
     def quiet(self) -> bool:
@@ -130,10 +125,3 @@ def _put(content: bytes, stream: IO[Any]) -> None:
 def _renderer(format: str) -> Callable[[DiagnosisAnswer, IO[str]], None]:
     found: Callable[[DiagnosisAnswer, IO[str]], None] = import_module(RENDERERS[format]).render
     return found
-
-
-def _check_suffix(option: str, path: Path, allowed: Sequence[str] | Mapping[str, str]) -> None:
-    if path.suffix.lower() not in allowed:
-        raise UsageError(f"{option} {path}: the suffix does not say a format; allowed: {', '.join(allowed)}.")
-    if path.is_dir():
-        raise UsageError(f"{option} {path}: this is a folder, not a file.")

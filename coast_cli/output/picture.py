@@ -77,9 +77,13 @@ class Picture:
         write_files({path: lambda stream: stream.write(content)}, binary=True)
 
 
-def draw(path: Path, size: tuple[float, float], paint: Callable[[Any], object]) -> None:
-    """Write a picture of ``size`` (inches), painted onto a matplotlib Figure; raises as ``Picture.write``."""
-    Picture(size, paint).write(path)
+def can_draw() -> bool:
+    """Return whether matplotlib is installed."""
+    try:
+        import matplotlib.figure  # noqa: F401
+    except ImportError:
+        return False
+    return True
 
 
 def require_matplotlib() -> None:
@@ -88,10 +92,8 @@ def require_matplotlib() -> None:
     Raises:
         UsageError: saying what to install.
     """
-    try:
-        import matplotlib.figure  # noqa: F401
-    except ImportError:
-        raise UsageError("plots and reports need matplotlib: install coast-cli[plot].") from None
+    if not can_draw():
+        raise UsageError("plots and reports need matplotlib: install coast-cli[plot].")
 
 
 def _settle(figure: Any) -> None:  # noqa: ANN401

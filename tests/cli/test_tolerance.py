@@ -4,6 +4,7 @@ import json
 
 import pytest
 
+from coast_cli.design import samples
 from coast_cli.output.columns import COLUMNS
 
 PNG, SVG = b"\x89PNG", b"<?xml"
@@ -35,6 +36,34 @@ def test_explored_rows_are_the_documented_columns(coast, tmp_path, reference_tex
     assert ran.code == 0, ran.err
     assert all(list(row) == list(COLUMNS["explore"]) for row in rows(ran))
     assert coast("explore", path, "--top", "5", "-f", "json") == ran
+
+
+def test_jobs_give_the_same_bytes(coast, reference):
+    words = ("tolerance", reference, "--samples", "4200", "--only", "figure,check", "-f", "json")
+    assert coast(*words) == coast(*words, "--jobs", "2")
+
+
+def test_an_interrupt_keeps_the_samples_and_a_rerun_goes_on(coast, reference, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    words = ("tolerance", reference, "--samples", "300", "-f", "json")
+    monkeypatch.setattr("coast_cli.design.samples.BLOCK", 100)
+    solve, asked = samples.solve_block, []
+
+    def interrupted(task):
+        asked.append(task.first)
+        if len(asked) == 3:
+            raise KeyboardInterrupt
+        return solve(task)
+
+    monkeypatch.setattr("coast_cli.design.samples.solve_block", interrupted)
+    stopped = coast(*words)
+    (kept,) = tmp_path.iterdir()
+    assert (stopped.code, stopped.out) == (130, "")
+    assert f"{kept.name} keeps 2 blocks, and the same command goes on from there" in stopped.err
+    resumed = coast(*words)
+    assert asked == [0, 100, 200, 200]
+    assert not list(tmp_path.iterdir())
+    assert resumed == coast(*words)
 
 
 def test_only_some_kinds(coast, reference):
@@ -94,7 +123,7 @@ def test_distributions_are_drawn_with_their_limits(coast, reference, tmp_path):
     pytest.importorskip("matplotlib", reason="not here: matplotlib, the extra [plot]")
     assert coast("tolerance", reference, "--samples", "50", "--plot", tmp_path / "figures.svg").code == 0
     drawn = (tmp_path / "figures.svg").read_text()
-    assert all(f"<!-- {text} -->" in drawn for text in ("OT4/MT1, 50 samples", "as drawn", "limit", "stroke (mm)"))
+    assert all(f"<!-- {text} -->" in drawn for text in ("OT4/MT1, 50 samples", "as drawn", "limit", "stroke X1 (mm)"))
 
 
 def test_a_front_is_drawn_beside_the_bench(coast, tmp_path, reference_text):
