@@ -24,8 +24,8 @@ def main() -> None:
     solution = coast.stroke(joint, np.array([10.0, 20.0, 40.0]), 30e-3)
     for curvature, stroke, tension in zip(solution.curvature, solution.stroke, solution.tension, strict=True):
         print(f"{curvature:4.0f} 1/m takes {stroke * 1e3:.3f} mm and {tension:.3f} N")
-    back = coast.curvature_from_stroke(joint, solution.stroke, 30e-3)
-    print(f"there and back within {np.max(np.abs(back.curvature - solution.curvature)):.0e} 1/m")
+    back = coast.curvature_from_stroke(joint, solution.stroke, 30e-3).curvature
+    print(f"there and back: {np.allclose(back, solution.curvature, rtol=1e-12)}")
 
     shape = coast.solve_beam(design.tube("MT3"), design.gravity)
     print(f"tip of MT3: {shape.x[-1] * 1e3:.2f}, {shape.y[-1] * 1e3:.2f} mm; {shape.verdict.message}")

@@ -1,8 +1,9 @@
-"""A synthetic recording to try `coast diagnose` on: `python examples/diagnose/generate.py` writes recording.csv anew.
+"""A synthetic recording to try `coast diagnose` on: `python examples/diagnose/generate.py` writes both files anew.
 
 Nothing here was measured. Pair OT4/MT1 of configs/tubes.toml is pulled and released four times; the joint follows the
 paper's stroke model behind an actuator with play, which that model leaves out. Curvature noise is 0.25 per m and partly
-carried from sample to sample. The deadband is a little off from the configured one, as on any bench.
+carried from sample to sample. The deadband is a little off from the configured one, as on any bench. foreign.csv is the
+same recording as another laboratory might have saved it: its own names, degrees, semicolons, decimal commas, a remark.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from coast_cli.spec.load import load_config
 
 FOLDER = Path(__file__).parent
 CONFIG = FOLDER.parents[1] / "configs" / "tubes.toml"
-RECORDING = FOLDER / "recording.csv"
+RECORDING, FOREIGN = FOLDER / "recording.csv", FOLDER / "foreign.csv"
 
 PLAY_MM = 0.18
 DEADBAND_MM = 1.12
@@ -59,5 +60,17 @@ def rows() -> list[str]:
     return lines
 
 
+def foreign(lines: list[str]) -> list[str]:
+    """Return the same recording in another laboratory's table, without the tubes."""
+    others = ["trial;t [s];X2 [mm];X1 [mm];bend [deg];remark"]
+    for line in lines[1:]:
+        run, time, _, _, length, stroke, curvature = line.split(",")
+        bend = np.degrees(float(curvature) * float(length) * 1e-3)
+        others.append(f"{run};{time};{length};{stroke};{bend:.2f};".replace(".", ","))
+    return others
+
+
 if __name__ == "__main__":
-    RECORDING.write_text("\n".join(rows()) + "\n", encoding="utf-8")
+    lines = rows()
+    FOREIGN.write_text("\n".join(foreign(lines)) + "\n", encoding="utf-8")
+    RECORDING.write_text("\n".join(lines) + "\n", encoding="utf-8")

@@ -1,36 +1,104 @@
-"""The README shows real output: each ``console`` block is run and compared; run as a script, it writes them anew.
+"""Both pages show real output: each ``console`` block is run and compared; run as a script, it writes them anew.
 
-It also gives the CI its test command, word for word.
+The blocks of the README stand alone, those of the walk through the examples follow one another. The README's Python runs,
+and it gives the CI its test command, word for word.
 """
 
+import doctest
 import os
 import re
 import shlex
+import subprocess
 import sys
+import tomllib
 from io import StringIO
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import pytest
 
 from coast_cli.__main__ import main
 
 ROOT = Path(__file__).parents[2]
-README = ROOT / "README.md"
-BLOCK = re.compile(r"(?<=^```console\n)\$ coast (?P<words>.*)\n(?P<shown>(?:.*\n)*?)(?=^```$)", re.MULTILINE)
+README, WALK = ROOT / "README.md", ROOT / "examples" / "README.md"
+BLOCK = re.compile(
+    r"(?<=^```console\n)\$ (?P<program>coast|python) (?P<words>.*)\n(?P<shown>(?:.*\n)*?)(?=^```$)", re.MULTILINE
+)
 
 
-def blocks():
-    return [(match["words"], match["shown"]) for match in BLOCK.finditer(README.read_text(encoding="utf-8"))]
+def blocks(page):
+    found = BLOCK.finditer(page.read_text(encoding="utf-8"))
+    return [(match["program"], match["words"], match["shown"]) for match in found]
 
 
-@pytest.mark.parametrize(("words", "shown"), blocks(), ids=[words for words, _ in blocks()])
-def test_the_output_shown_is_what_the_command_prints(coast, monkeypatch, words, shown):
-    monkeypatch.chdir(ROOT)
-    assert coast(*shlex.split(words)).out == shown
+def enter(folder):
+    """Make a folder the top of the checkout, as far as the pages name it, where files may be written."""
+    for name in ("configs", "examples", "tests"):
+        (folder / name).symlink_to(ROOT / name)
+    os.chdir(folder)
+
+
+def printed(program, words):
+    if program == "python":
+        there = {**os.environ, "PYTHONPATH": str(ROOT)}
+        command = [sys.executable, *shlex.split(words)]
+        return subprocess.run(command, capture_output=True, text=True, check=True, env=there).stdout
+    stdout, sys.stdout = sys.stdout, StringIO()
+    try:
+        main(shlex.split(words))
+        return sys.stdout.getvalue()
+    finally:
+        sys.stdout = stdout
+
+
+@pytest.fixture
+def top(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    enter(tmp_path)
+
+
+@pytest.mark.parametrize(("program", "words", "shown"), blocks(README), ids=[words for _, words, _ in blocks(README)])
+@pytest.mark.usefixtures("top")
+def test_the_output_shown_is_what_the_command_prints(program, words, shown):
+    assert printed(program, words) == shown
+
+
+@pytest.mark.usefixtures("top")
+def test_the_walk_goes_from_step_to_step():
+    steps = re.findall(r"^## (\d)\. ", WALK.read_text(encoding="utf-8"), re.MULTILINE)
+    assert steps == [str(number) for number in range(1, len(steps) + 1)]
+    assert len(blocks(WALK)) >= len(steps)
+    for program, words, shown in blocks(WALK):
+        assert printed(program, words) == shown, words
+
+
+@pytest.mark.usefixtures("top")
+def test_the_python_of_the_readme_does_what_it_shows():
+    found = re.findall(r"^```pycon\n(.*?)^```$", README.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+    examples = doctest.DocTestParser().get_doctest("".join(found), {}, "README", str(README), 0)
+    assert len(examples.examples) >= 5
+    assert doctest.DocTestRunner(optionflags=doctest.ELLIPSIS).run(examples).failed == 0
+
+
+def test_links_of_the_pages_lead_somewhere():
+    for page in (README, WALK, ROOT / ".github" / "CONTRIBUTING.md"):
+        for link in re.findall(r"\]\(([^)#:]+)\)", page.read_text(encoding="utf-8")):
+            assert (page.parent / link).exists(), (page.name, link)
+
+
+def test_the_figure_of_the_layers_is_what_import_linter_keeps():
+    figure = (ROOT / ".github" / "ARCHITECTURE.md").read_text(encoding="utf-8")
+    linter = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["importlinter"]
+    layers = [re.findall(r"[a-z]+", layer) for layer in linter["contracts"][0]["layers"]]
+    assert re.findall(r'^    (\w+)\["', figure, re.MULTILINE) == [name for layer in layers for name in layer if name != "errors"]
+    height = {name: place for place, layer in enumerate(layers) for name in layer}
+    arrows = re.findall(r"^    (\w+) --> (\w+)$", figure, re.MULTILINE)
+    assert {below for _, below in arrows} == set(height) - {"main", "errors"}
+    assert all(height[above] + 1 == height[below] for above, below in arrows)
 
 
 def test_there_are_outputs_to_compare():
-    assert len(blocks()) >= 4
+    assert len(blocks(README)) >= 4
 
 
 def test_the_ci_calls_the_test_command_of_the_readme():
@@ -40,15 +108,13 @@ def test_the_ci_calls_the_test_command_of_the_readme():
     assert commands[1] in (ROOT / ".ci" / "run").read_text(encoding="utf-8").splitlines()
 
 
-def printed(match):
-    stdout, sys.stdout = sys.stdout, StringIO()
-    try:
-        main(shlex.split(match["words"]))
-        return f"$ coast {match['words']}\n{sys.stdout.getvalue()}"
-    finally:
-        sys.stdout = stdout
-
-
 if __name__ == "__main__":
-    os.chdir(ROOT)
-    README.write_text(BLOCK.sub(printed, README.read_text(encoding="utf-8")), encoding="utf-8")
+    for place in (README, WALK):
+        with TemporaryDirectory() as scratch:
+            enter(Path(scratch))
+            text = BLOCK.sub(
+                lambda match: f"$ {match['program']} {match['words']}\n{printed(match['program'], match['words'])}",
+                place.read_text(encoding="utf-8"),
+            )
+            os.chdir(ROOT)
+        place.write_text(text, encoding="utf-8")
