@@ -29,15 +29,17 @@ def explore(
     """Pair every outer with every middle tube of the [explore] ranges and print the Pareto front.
 
     The front is refined by new pairs round it. Only pairs that pass [checks] are on it. The answer is the same bytes
-    with any number of jobs, and on a cluster.
+    with any number of jobs, and on a cluster. Interrupted, it keeps what is done: in the file of --all, else in a
+    file of the working folder, which it names. The same command goes on from there.
     """
-    from contextlib import closing, nullcontext
+    from contextlib import closing
 
     from coast_cli.design.exploration import Beginning, steps
     from coast_cli.design.exploration import explore as run
-    from coast_cli.design.work import workers
+    from coast_cli.design.work import WorkerLost, workers
     from coast_cli.errors import UsageError
     from coast_cli.output.answer import Answer
+    from coast_cli.output.kept import Kept
     from coast_cli.output.progress import progress
     from coast_cli.output.provenance import provenance
     from coast_cli.output.stream import CsvStream
@@ -50,21 +52,21 @@ def explore(
     document = load_config_text(text, str(config))
     total = steps(document, text)
     origin = provenance(document, seed=None if document.explore is None else document.explore.seed)
-    stream = None if every is None else CsvStream(every, repr(origin), overwrite=overwrite)
-    with nullcontext() if stream is None else closing(stream):
-        beginning = Beginning() if stream is None else Beginning(stream.blocks, stream.state)
+    stream: CsvStream | Kept = Kept(f"{config.stem}.explore", repr(origin))
+    if every is not None:
+        stream = CsvStream(every, repr(origin), overwrite=overwrite)
+    with closing(stream):
+        beginning = Beginning(stream.blocks, stream.state)
         try:
             with workers(jobs, cluster) as executor, progress("blocks", total, beginning.blocks) as advance:
                 rows, notes = run(
-                    document, text, executor=executor, beginning=beginning,
-                    save=None if stream is None else stream.write, advance=advance,
-                )  # fmt: skip
-        except KeyboardInterrupt:
-            if stream is not None:
-                say(f"interrupted: {stream.part} keeps {stream.blocks} blocks, and the same command goes on from there.")
+                    document, text, executor=executor, beginning=beginning, save=stream.write, advance=advance
+                )
+        except (KeyboardInterrupt, WorkerLost):
+            if stream.blocks:
+                say(f"interrupted: {stream.keep()}.")
             raise
-        if stream is not None:
-            stream.finish()
+        stream.finish()
     if plot is not None:
         from coast_cli.design.rank import rank
         from coast_cli.output.design_plot import plot_front

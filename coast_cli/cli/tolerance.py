@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from coast_cli.cli.options import ConfigArgument, FormatOption, OutputOption, PairOption, PlotOption
+
+if TYPE_CHECKING:
+    from coast_cli.mechanics.section import FloatArray
 
 KINDS = ("figure", "check", "first", "index")
 
@@ -17,6 +21,7 @@ def tolerance(
     pair: PairOption = None,
     samples: Annotated[int, typer.Option(min=2, max=10_000_000, help="random samples of the pair")] = 10_000,
     seed: Annotated[int, typer.Option(min=0, help="of the random numbers")] = 0,
+    jobs: Annotated[int, typer.Option(min=1, max=1024, help="processes on this machine")] = 1,
     only: Annotated[
         str | None, typer.Option(metavar="KIND,...", help="of figure, check, first and index; default: all")
     ] = None,
@@ -27,13 +32,19 @@ def tolerance(
     """Sample one pair over its [tolerances].
 
     Rows give the distribution of every figure, the chance that each check holds, how often each pair of the bench
-    ranks first, and Sobol indices: the input with the largest is the one to tighten first.
+    ranks first, and Sobol indices: the input with the largest is the one to tighten first. The answer is the same bytes
+    with any number of jobs. Interrupted, it keeps what is done in a file of the working folder, which it names, and the same
+    command goes on from there.
     """
+    from coast_cli.design.samples import BLOCK
     from coast_cli.design.tolerance import tolerance_rows
+    from coast_cli.design.work import WorkerLost, workers
     from coast_cli.errors import UsageError
     from coast_cli.output.answer import Answer
+    from coast_cli.output.kept import Kept
+    from coast_cli.output.progress import progress
     from coast_cli.output.provenance import provenance
-    from coast_cli.output.write import write_answer
+    from coast_cli.output.write import say, write_answer
     from coast_cli.spec.build import build
     from coast_cli.spec.load import load_config
 
@@ -45,10 +56,25 @@ def tolerance(
     kinds = KINDS if only is None else tuple(only.split(","))
     if not set(kinds) <= set(KINDS):
         raise UsageError(f"--only {only}: allowed: one or several of {', '.join(KINDS)}.")
-    rows, notes, columns = tolerance_rows(design, (outer, middle), samples=samples, seed=seed)
     origin = provenance(document, options={"pair": f"{outer}/{middle}", "samples": samples}, seed=seed)
+    done = Kept(f"{config.stem}.tolerance", repr(origin))
+    try:
+        with workers(jobs, None) as executor, progress("blocks", -(-samples // BLOCK), done.blocks) as advance:
+
+            def keep(figures: Mapping[str, FloatArray]) -> None:
+                done.write({}, figures)
+                advance()
+
+            rows, notes, columns = tolerance_rows(
+                design, (outer, middle), samples=samples, seed=seed, executor=executor, beginning=done.state, keep=keep
+            )
+    except (KeyboardInterrupt, WorkerLost):
+        if done.blocks:
+            say(f"interrupted: {done.keep()}.")
+        raise
     if plot is not None:
         from coast_cli.output.design_plot import plot_tolerance
 
         plot_tolerance(f"{outer}/{middle}", rows, columns).write(plot)
     write_answer(Answer("tolerance", [row for row in rows if row["kind"] in kinds], origin, notes), format, output or ())
+    done.finish()

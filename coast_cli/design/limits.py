@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from coast_cli.design.figures import point_figures
+from coast_cli.design.figures import POINT_FIGURES, point_figures
 from coast_cli.design.population import TubePopulation
 from coast_cli.mechanics.joint import Joint
 from coast_cli.mechanics.section import FloatArray
@@ -56,10 +56,17 @@ def limits(config: Config) -> tuple[Limit, ...]:
 def at_the_point(design: Design, outer: TubePopulation, middle: TubePopulation) -> dict[str, FloatArray]:
     """Return the figures at the point of ``checks.max_stroke_mm`` for pairs row by row; none where that is not given."""
     config = design.config
-    if config.joint is None or config.checks is None or config.checks.max_stroke_mm is None:
+    if config.checks is None or config.checks.max_stroke_mm is None or not point_figure_names(config):
         return {}
     point = config.checks.max_stroke_mm
     return point_figures(_some_joint(config), outer, middle, point.curvature_per_m, point.bending_length_mm * MILLIMETRE)
+
+
+def point_figure_names(config: Config) -> tuple[str, ...]:
+    """Return the figures that ``at_the_point`` gives."""
+    if config.joint is None or config.checks is None or config.checks.max_stroke_mm is None:
+        return ()
+    return tuple(name for name in POINT_FIGURES if config.tendon is not None or name not in {"stroke_mm", "tendon_strain"})
 
 
 def assembles(config: Config, outer: TubePopulation, middle: TubePopulation) -> NDArray[np.bool_]:

@@ -6,7 +6,8 @@ Plain random samples, so that every probability carries its binomial interval.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from concurrent.futures import Executor
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -14,9 +15,10 @@ from numpy.typing import NDArray
 
 from coast_cli.design.figures import FIGURES, POINT_FIGURES, BentTubes, bent, pair_figures_of
 from coast_cli.design.indices import sobol_indices_of
-from coast_cli.design.limits import Limit, assembles, at_the_point, limits
+from coast_cli.design.limits import assembles, at_the_point, limits
 from coast_cli.design.population import TubePopulation
 from coast_cli.design.rank import RankOptions, scores_of
+from coast_cli.design.samples import Keep, Made, make_pair, make_pairs, sampled, shares
 from coast_cli.design.variation import Variation, variation
 from coast_cli.errors import NotConverged
 from coast_cli.mechanics.section import FloatArray
@@ -33,21 +35,6 @@ _COLUMNS = (
 )  # fmt: skip
 
 
-@dataclass(frozen=True)
-class Made:
-    """Samples of one pair as made: its figures, shape (m,) each, NaN where the tubes are impossible or not solved."""
-
-    columns: Mapping[str, FloatArray]
-    possible: NDArray[np.bool_]
-    limits: tuple[Limit, ...]
-
-    @property
-    def passes(self) -> NDArray[np.bool_]:
-        """Whether every check holds; an impossible pair does not pass."""
-        held = [limit.holds(self.columns) for limit in self.limits]
-        return np.asarray(np.logical_and.reduce([self.possible, *held]))
-
-
 def tolerance_rows(
     design: Design,
     pair: tuple[str, str],
@@ -56,50 +43,36 @@ def tolerance_rows(
     seed: int,
     ranked: bool = True,
     index_samples: int = INDEX_SAMPLES,
+    executor: tuple[Executor | None, int] = (None, 1),
+    beginning: Mapping[str, FloatArray] = MappingProxyType({}),
+    keep: Keep = lambda _: None,
 ) -> tuple[list[Row], tuple[str, ...], Mapping[str, FloatArray]]:
     """Return rows, notes and the sampled figures of one pair.
 
     Args:
         samples: of the pair. seed: of the random numbers. ranked: also sample the whole bench for the ranking.
         index_samples: base samples of the Sobol indices, a power of two.
+        executor, beginning, keep: as for ``samples.sampled``.
 
     Raises:
         NotConverged: no sample of the pair can be assembled and solved.
     """
     outer, middle = (design.tube(name) for name in pair)
     varied = variation(design.config, (outer, middle))
-    draws = np.random.default_rng(seed).random((samples, len(varied.inputs)))
-    made = make_pair(design, varied, (outer, middle), draws)
-    if not np.any(made.possible):
+    made = sampled(
+        design, pair, samples=samples, seed=seed, executor=executor, beginning=beginning, keep=keep
+    )
+    share = 1.0 - float(np.mean(made.possible))
+    if share == 1.0:
         raise NotConverged(f"{'/'.join(pair)}: with these tolerances no sample can be assembled: give smaller ones.")
     nominal = make_pair(design, varied, (outer, middle), np.full((1, len(varied.inputs)), 0.5)).columns
     rows = [*_distributions(made, nominal), *_checks(made, nominal)]
-    share = 1.0 - float(np.mean(made.possible))
     rows.append(_row("check", "impossible", **_probability(~made.possible)))
     if ranked:
         rows += _first_places(design, seed, min(samples, MOST_RANKED))
     indices, dropped = _indices(design, varied, (outer, middle), (index_samples, seed))
     notes = _notes(design, varied, share, dropped)
     return [*rows, *indices], notes, made.columns
-
-
-def make_pair(
-    design: Design, varied: Variation, tubes: tuple[NotchedTube, NotchedTube], draws: FloatArray
-) -> Made:
-    """Return the figures of a pair for each row of probabilities, shape (m, inputs)."""
-    outer, middle = (varied.tube(tube, draws) for tube in tubes)
-    possible = assembles(design.config, outer, middle)
-    rows = np.flatnonzero(possible)
-    known: dict[str, FloatArray] = {}
-    if rows.size:
-        some_outer, some_middle = outer.picked(rows), middle.picked(rows)
-        solved = bent(some_outer, design.gravity, roll=varied.roll(draws)[rows]), bent(some_middle, design.gravity)
-        every = np.arange(rows.size)
-        known = pair_figures_of(*solved, (every, every)) | at_the_point(design, some_outer, some_middle)
-    columns = {name: np.full(possible.size, np.nan) for name in known or FIGURES}
-    for name, values in known.items():
-        columns[name][rows] = values
-    return Made(columns, possible & np.isfinite(columns["total_precurvature_rad"]), limits(design.config))
 
 
 def chances(
@@ -111,7 +84,7 @@ def chances(
     """
     config = design.config
     varied = variation(config, (*design.outer, *design.middle))
-    draws = np.random.default_rng(seed).random((samples, len(varied.inputs)))
+    draws = shares(seed, len(varied.inputs), 0, samples)
     roll = varied.roll(draws)
     tubes = {tube.name: varied.tube(tube, draws) for tube in (*design.outer, *design.middle)}
     solved = {tube.name: _solved(design, tube, tubes[tube.name], roll) for tube in design.outer}
@@ -187,7 +160,7 @@ def _indices(
 ) -> tuple[list[Row], int]:
     """Return rows of Sobol indices, the largest total first for each figure, and how many samples were replaced."""
     found = sobol_indices_of(
-        lambda draws: make_pair(design, varied, tubes, draws).columns, len(varied.inputs), *sequence
+        lambda draws: make_pairs(design, varied, tubes, draws), len(varied.inputs), *sequence
     )
     rows = []
     for name, (first, total) in found.indices.items():

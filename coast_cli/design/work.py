@@ -21,6 +21,10 @@ _AHEAD = 4  # blocks a worker may be ahead of what is written, which bounds the 
 _CONNECT_SECONDS = 10
 
 
+class WorkerLost(NotConverged):
+    """A worker process is gone before its block was done."""
+
+
 @contextmanager
 def workers(jobs: int, cluster: str | None) -> Iterator[tuple[Executor | None, int]]:
     """Yield an executor and how many blocks it may hold; None is this process.
@@ -50,7 +54,7 @@ def in_order(
     """Yield the results of the tasks in their order, with at most ``window`` of them under way.
 
     Raises:
-        NotConverged: the workers are gone.
+        WorkerLost: a worker is gone.
     """
     if executor is None:
         yield from map(function, tasks)
@@ -66,7 +70,7 @@ def in_order(
         while under_way:
             yield under_way.popleft().result()
     except BrokenProcessPool:
-        raise NotConverged("a worker process ended before its block was done: give fewer --jobs, or run again.") from None
+        raise WorkerLost("a worker process ended before its block was done: give fewer --jobs, or run again.") from None
 
 
 @contextmanager

@@ -89,6 +89,10 @@ class CsvStream:
                 "so make room and run the same command again."
             ) from None
 
+    def keep(self) -> str:
+        """Return in words what is kept already."""
+        return f"{self.part} keeps {self.blocks} blocks, and the same command goes on from there"
+
     def finish(self) -> None:
         """Give the file its name."""
         self._stream.close()

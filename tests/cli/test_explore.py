@@ -11,6 +11,9 @@ from importlib.util import find_spec
 import numpy as np
 import pytest
 
+from coast_cli.design import exploration
+from coast_cli.errors import UsageError
+
 SPACE = """
 [explore]
 tubes = 256
@@ -99,6 +102,43 @@ def test_an_interrupt_keeps_what_is_done_and_a_rerun_resumes(config, tmp_path):
     whole = start(*arguments, tmp_path / "whole.csv").communicate()
     assert resumed == whole
     assert path.read_bytes() == (tmp_path / "whole.csv").read_bytes()
+
+
+def test_an_interrupt_without_a_stream_keeps_what_is_done_too(coast, config, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    words = ("explore", config(SPACE), "--top", "3", "-f", "json")
+    whole, solve, asked = coast(*words), exploration.explore_block, []
+
+    def interrupted(task):
+        asked.append((task.outer, task.middle))
+        if len(asked) == 3:
+            raise KeyboardInterrupt
+        return solve(task)
+
+    monkeypatch.setattr(exploration, "explore_block", interrupted)
+    stopped = coast(*words)
+    (kept,) = tmp_path.glob("*.npz")
+    assert (stopped.code, stopped.out) == (130, "")
+    assert f"{kept.name} keeps 2 blocks, and the same command goes on from there" in stopped.err
+    assert coast(*words) == whole
+    assert asked == [(0, 0), (0, 1), (1, 0), (1, 0), (1, 1)]
+    assert not kept.exists()
+
+
+def test_a_folder_that_takes_no_file_is_said(coast, config, tmp_path, monkeypatch):
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(exploration, "refine", interrupted)
+    monkeypatch.setattr("coast_cli.output.kept.write_files", refused)
+    stopped = coast("explore", config(SMALL.replace("refinements = 0", "refinements = 1")))
+    assert stopped.code == 130
+    assert "interrupted: what is done cannot be kept (x: cannot be written)" in stopped.err
+
+
+def refused(*_, **__):
+    raise UsageError("-o x: cannot be written.")
 
 
 @pytest.mark.skipif(os.name != "posix", reason="file size limits are POSIX")

@@ -1,5 +1,7 @@
 """Tolerances: probabilities against direct samples, indices against closed forms, impossible tubes counted."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from scipy.stats import norm
@@ -7,7 +9,8 @@ from scipy.stats import norm
 from coast_cli.design.indices import sobol_indices_of
 from coast_cli.design.rank import RankOptions
 from coast_cli.design.robust import robust_rank
-from coast_cli.design.tolerance import make_pair, tolerance_rows
+from coast_cli.design.samples import make_pair, shares
+from coast_cli.design.tolerance import tolerance_rows
 from coast_cli.design.variation import variation
 from coast_cli.errors import CoastError
 from coast_cli.mechanics.section import full_section, notched_section
@@ -51,6 +54,45 @@ def test_each_sample_is_what_one_pair_alone_gives(reference):
     alone = pair_figures(outer, middle, design.gravity)
     np.testing.assert_allclose(nominal["total_precurvature_rad"], alone.total_precurvature, rtol=1e-10)
     np.testing.assert_allclose(nominal["total_rigidity_series_n_m2"], alone.total_series, rtol=1e-10)
+
+
+def test_samples_follow_from_the_seed_and_their_number_alone():
+    table = np.random.default_rng(4).random((50, 7))
+    np.testing.assert_array_equal(shares(4, 7, 13, 20), table[13:33])
+
+
+def test_blocks_of_another_size_give_the_same_samples(reference_text, monkeypatch):
+    rows, _, whole = rows_of(reference_text, samples=300)
+    monkeypatch.setattr("coast_cli.design.samples.BLOCK", 70)
+    others, _, parts = rows_of(reference_text, samples=300)
+    for name, column in whole.items():
+        np.testing.assert_allclose(parts[name], column, rtol=1e-9)
+    for key, row in rows.items():
+        assert row["probability"] == others[key]["probability"]
+
+
+def test_a_run_that_goes_on_gives_the_same_figures(reference_text, monkeypatch):
+    monkeypatch.setattr("coast_cli.design.samples.BLOCK", 70)
+    states = []
+    rows, _, whole = rows_of(reference_text, samples=300, keep=states.append)
+    assert [state["stroke_mm"].size for state in states] == [70, 140, 210, 280, 300]
+    again, _, resumed = rows_of(reference_text, samples=300, beginning=states[1])
+    assert again == rows
+    assert all(np.array_equal(resumed[name], whole[name]) for name in whole)
+
+
+def test_memory_grows_by_the_figures_alone(reference_text, monkeypatch):
+    monkeypatch.setattr("coast_cli.design.samples.BLOCK", 64)
+
+    def most(samples):
+        tracemalloc.start()
+        rows_of(reference_text, samples=samples)
+        peak = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        return peak
+
+    most(64)  # imports
+    assert most(640) - most(64) < 576 * 10 * 8 * 4  # ten figures, and copies of a few for their statistics
 
 
 def test_sobol_indices_of_a_linear_figure_are_its_shares_of_variance():
