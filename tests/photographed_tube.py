@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
+from scipy.integrate import trapezoid
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
@@ -41,9 +42,9 @@ def sector(depth: float) -> tuple[float, float]:
     """Area and second moment of what a notch leaves, by quadrature over the ring's angle."""
     half = np.arccos((depth - RO) / RO)
     angle = np.linspace(-half, half, 20001)
-    area = np.trapezoid(np.full_like(angle, (RO**2 - RI**2) / 2.0), angle)
-    first = np.trapezoid((RO**3 - RI**3) / 3.0 * np.cos(angle), angle)
-    second = np.trapezoid((RO**4 - RI**4) / 4.0 * np.cos(angle) ** 2, angle)
+    area = trapezoid(np.full_like(angle, (RO**2 - RI**2) / 2.0), angle)
+    first = trapezoid((RO**3 - RI**3) / 3.0 * np.cos(angle), angle)
+    second = trapezoid((RO**4 - RI**4) / 4.0 * np.cos(angle) ** 2, angle)
     return float(area), float(second - first**2 / area)
 
 

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 LENGTH_TOLERANCE = 1e-9
+SHORTEST = 1e-6  # m, of a bending length, as in a configuration
 NATURAL_SIDES: dict[str, Natural | None] = {"": None, "up": "up", "down": "down"}
 AnyRun = TypeVar("AnyRun", JointRun, ShapeRun)
 
@@ -130,8 +131,9 @@ def _defaults(config: Config | None, pair: str | None, bending_length_mm: float 
                 hint=nearest(name, tubes) or None,
             )  # fmt: skip
     length = None if bending_length_mm is None else bending_length_mm * MILLIMETRE
-    if length is not None and not (np.isfinite(length) and length > 0.0):
-        raise BadInput("the bending length must be positive", found=bending_length_mm, allowed="a length in mm")
+    if length is not None and not (np.isfinite(length) and length >= SHORTEST):
+        allowed = f"a length in mm from {SHORTEST / MILLIMETRE:g}"
+        raise BadInput("the bending length must be positive", found=bending_length_mm, allowed=allowed)
     return Defaults(outer, middle, length, outer_tubes, middle_tubes)
 
 
@@ -282,11 +284,11 @@ def _response(table: Table, layout: Layout) -> tuple[ResponseKind, Floats]:
 
 
 def _check_positive_length(table: Table, layout: Layout, length: Floats) -> None:
-    if (length <= 0.0).any():
-        row = int(np.argmax(length <= 0.0))
+    if (length < SHORTEST).any():
+        row = int(np.argmax(length < SHORTEST))
         raise table.error(
             "the bending length must be positive", name=layout.columns["bending_length"].name, row=row,
-            found=f"{length[row] / MILLIMETRE:g} mm",
+            found=f"{length[row] / MILLIMETRE:g} mm", allowed=f"from {SHORTEST / MILLIMETRE:g} mm",
         )  # fmt: skip
 
 

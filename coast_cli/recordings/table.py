@@ -9,6 +9,7 @@ from __future__ import annotations
 import csv
 import hashlib
 import io
+import os
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -19,6 +20,8 @@ import numpy as np
 from coast_cli.errors import BadInput
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from numpy.typing import NDArray
 
     Floats = NDArray[np.float64]
@@ -26,6 +29,9 @@ if TYPE_CHECKING:
     Cells = NDArray[np.bytes_]
 
 LARGEST_FILE = 256 * 2**20
+LARGEST_QUOTED = LARGEST_FILE // 4  # cell by cell, in ten times the memory
+LARGEST_COLUMN, LONGEST_CELL = 2**29, 10_000  # bytes; a column is as wide as its widest cell
+LARGEST_NUMBER = 1e15  # past any recorded quantity in any unit, and its powers are still numbers
 NEWLINE, RETURN, QUOTE = b"\n", b"\r", b'"'
 IN_NUMBERS = np.zeros(256, dtype=bool)
 IN_NUMBERS[[*b"+-.0123456789eE \t\0"]] = True
@@ -58,7 +64,7 @@ class Table:
         """Return a column as numbers, [n]; empty cells are NaN where they may be missing.
 
         Raises:
-            BadInput: a cell is empty, not a number or not finite; says file, line and column.
+            BadInput: a cell is empty, not a number or beyond `LARGEST_NUMBER`; says file, line and column.
         """
         index = self.names.index(name)
         cells = self.columns[index]
@@ -73,7 +79,7 @@ class Table:
             except ValueError:
                 pass
             else:
-                if np.isfinite(values).all():
+                if (np.abs(values) <= LARGEST_NUMBER).all():
                     values[missing] = np.nan
                     return values
         raise self._first_bad_cell(index, missing)
@@ -107,6 +113,9 @@ class Table:
                 return self.error("an empty cell", name=name, row=row, allowed="a number")
             if not _is_number(plain):
                 return self.error("not a number", name=name, row=row, found=text, allowed="a finite decimal number")
+            if abs(float(plain)) > LARGEST_NUMBER:
+                allowed = f"up to {LARGEST_NUMBER:g}"
+                return self.error("too large for any recording", name=name, row=row, found=text, allowed=allowed)
         return self.error("a cell that is not a number", name=name)
 
 
@@ -142,7 +151,8 @@ def read_table(path: str | Path) -> Table:
         raise BadInput("the file is empty", file=path, allowed="one header row and at least two rows of numbers")
     header_line = skipped + 1
     separator = max(",;\t", key=head.decode("utf-8").count)
-    names = tuple(name.strip() for name in next(csv.reader([head.decode("utf-8")], delimiter=separator)))
+    header = next(_read(csv.reader([head.decode("utf-8")], delimiter=separator), str(path)))
+    names = tuple(name.strip() for name in header)
     if body and not body.endswith(NEWLINE):
         body += NEWLINE
     twice = next((name for index, name in enumerate(names) if name and name in names[:index]), None)
@@ -158,20 +168,25 @@ def read_table(path: str | Path) -> Table:
 
 
 def _bytes_of(path: str | Path) -> bytes:
-    file = Path(path)
     try:
-        size = file.stat().st_size
-        if size > LARGEST_FILE:
-            raise BadInput(
-                "the file is too large to read at once",
-                file=path,
-                found=f"{size / 2**20:.0f} MB",
-                allowed=f"at most {LARGEST_FILE // 2**20} MB",
-                hint="Split it into files of whole runs, or keep every n-th row.",
-            )
-        return file.read_bytes()
-    except OSError as error:
-        raise BadInput(f"cannot be read ({error.strerror})", file=path) from None
+        with Path(path).open("rb") as stream:
+            size = os.fstat(stream.fileno()).st_size
+            data = b"" if size > LARGEST_FILE else stream.read((size or LARGEST_FILE) + 1)  # a pipe does not tell
+    except (OSError, ValueError) as error:
+        raise BadInput(f"cannot be read ({getattr(error, 'strerror', None) or error})", file=path) from None
+    _refuse_large(path, max(size, len(data)), LARGEST_FILE, "the file is too large to read at once")
+    return data
+
+
+def _refuse_large(path: str | Path, size: int, most: int, message: str) -> None:
+    if size > most:
+        raise BadInput(
+            message,
+            file=path,
+            found=f"{size / 2**20:.0f} MB",
+            allowed=f"at most {most // 2**20} MB",
+            hint="Split it into files of whole runs, or keep every n-th row.",
+        )
 
 
 def _split(body: bytes, separator: str, count: int, path: str, first_line: int) -> tuple[tuple[Cells, ...], Integers]:
@@ -191,6 +206,7 @@ def _split(body: bytes, separator: str, count: int, path: str, first_line: int) 
     begins = starts[filled]
     columns = []
     for stops in ends.reshape(-1, count).T:
+        _refuse_wide(stops - begins, lines, path)
         columns.append(_gather(text, begins, stops))
         begins = stops + 1
     return tuple(columns), lines
@@ -205,23 +221,44 @@ def _gather(text: NDArray[np.uint8], begins: Integers, ends: Integers) -> Cells:
     return matrix.view(f"S{width}").reshape(-1)
 
 
+def _read(reader: Iterator[list[str]], path: str) -> Iterator[list[str]]:
+    try:
+        yield from reader
+    except csv.Error as error:  # a quote that opens and does not close, for more text than a cell may have
+        raise BadInput(f"not a CSV file: {error}", file=path) from None
+
+
 def _split_quoted(
     body: bytes, separator: str, count: int, path: str, first_line: int
 ) -> tuple[tuple[Cells, ...], Integers]:
     """Return the same as `_split` for a body with quoted cells, row by row."""
+    _refuse_large(path, len(body), LARGEST_QUOTED, "the file has quoted cells and is too large for that")
     rows: list[list[str]] = []
     lines: list[int] = []
     reader = csv.reader(io.StringIO(body.decode("utf-8"), newline=""), delimiter=separator)
     line = first_line
-    for row in reader:
+    for row in _read(reader, path):
         if row and len(row) != count:
             raise _ragged(path, line, len(row), count)
         if row:
             rows.append(row)
             lines.append(line)
         line = first_line + reader.line_num
-    columns = tuple(np.array([cell.encode() for cell in column], dtype=np.bytes_) for column in zip(*rows, strict=True))
-    return columns, np.array(lines, dtype=np.int64)
+    numbers = np.array(lines, dtype=np.int64)
+    columns = []
+    for column in zip(*rows, strict=True):
+        cells = [cell.encode() for cell in column]
+        _refuse_wide(np.array([len(cell) for cell in cells]), numbers, path)
+        columns.append(np.array(cells, dtype=np.bytes_))
+    return tuple(columns), numbers
+
+
+def _refuse_wide(lengths: Integers, lines: Integers, path: str) -> None:
+    widest = int(np.argmax(lengths)) if len(lengths) else 0
+    most = min(LONGEST_CELL, LARGEST_COLUMN // max(len(lengths), 1))
+    if len(lengths) and lengths[widest] > most:
+        found, allowed = f"{lengths[widest]} characters", f"at most {most} in a table of {len(lengths)} rows"
+        raise BadInput("a cell is too long", file=path, line=int(lines[widest]), found=found, allowed=allowed)
 
 
 def _ragged(path: str, line: int, found: int, count: int) -> BadInput:

@@ -266,7 +266,7 @@ def _spoiled(pixels, box, chance, noise):
     return pixels
 
 
-def _turned(pixels, box, chance, noise):
+def _turned(pixels, box, chance, _noise):
     import numpy as np
 
     kind = chance.randrange(5)

@@ -1,5 +1,6 @@
 """Reading recordings: other people's files come in unedited, and what is wrong is said with file, line and column."""
 
+import re
 import tracemalloc
 
 import numpy as np
@@ -353,3 +354,34 @@ def test_memory_stays_near_the_size_of_the_file(written):
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert peak < 12 * path.stat().st_size
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("stroke_mm,bend_deg\n1,2\n3,1e16\n", "too large for any recording"),
+        ("stroke_mm,bend_deg,note\n1,2,a\n3,4," + "b" * 20_000 + "\n", "a cell is too long; found '20000 characters'"),
+        ('stroke_mm,bend_deg,note\n1,2,"a"\n3,4,' + "b" * 20_000 + "\n", "a cell is too long; found '20000 characters'"),
+        ('stroke_mm,bend_deg,note\n1,2,"a\n3,4,' + "b" * 200_000 + "\n", "not a CSV file: field larger than field limit"),
+        ("stroke_mm,notch_" + "1" * 5000 + "_deg\n1,2\n3,4\n", "no response column"),
+    ],
+)
+def test_cells_past_all_bounds_are_refused(written, text, said):
+    with pytest.raises(BadInput, match=re.escape(said)):
+        read_recordings([written(text)], pair="M", bending_length_mm=9)
+
+
+def test_a_table_wider_than_memory_and_quotes_past_theirs_are_refused(written, monkeypatch):
+    monkeypatch.setattr(table, "LARGEST_COLUMN", 1000)
+    with pytest.raises(BadInput, match="at most 5 in a table of 200 rows"):
+        read_recordings([written("stroke_mm,bend_deg\n" + "1,2.00000\n" * 200)], pair="M", bending_length_mm=9)
+    monkeypatch.setattr(table, "LARGEST_QUOTED", 1000)
+    with pytest.raises(BadInput, match="quoted cells"):
+        read_recordings([written("stroke_mm,bend_deg\n" + '1,"2"\n' * 200)], pair="M", bending_length_mm=9)
+
+
+def test_a_stream_that_never_ends_and_a_name_that_cannot_be_are_refused(monkeypatch):
+    monkeypatch.setattr(table, "LARGEST_FILE", 10_000)
+    for path, said in (("/dev/zero", "too large"), ("a\0b", "cannot be read")):
+        with pytest.raises(BadInput, match=said):
+            read_recordings([path], pair="M", bending_length_mm=9)
