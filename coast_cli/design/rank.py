@@ -20,6 +20,7 @@ from coast_cli.spec.build import Design, build
 from coast_cli.spec.config import Config
 
 Rigidity = Literal["mean", "series"]
+MOST_PAIRS = 2_000_000  # half a gigabyte
 RIGIDITIES: tuple[Rigidity, ...] = get_args(Rigidity)
 
 
@@ -59,13 +60,19 @@ def rank(config: Config, options: RankOptions | None = None) -> Ranking:
     """Rank every pair of a configuration.
 
     Raises:
-        BadInput: there are not both outer and middle tubes.
+        BadInput: there are not both outer and middle tubes, or more than `MOST_PAIRS` pairs.
     """
     options = options or RankOptions()
     for role in ("outer", "middle"):
         if getattr(config, role) is None:
             raise config.refuse((), f"a pair needs an outer and a middle tube, and there is no [{role}] table")
     design = with_section(build(config), options.section)
+    count = len(design.outer) * len(design.middle)
+    if count > MOST_PAIRS:
+        raise config.refuse(
+            ("outer",), "too many pairs to rank at once", found=count, allowed=f"up to {MOST_PAIRS}",
+            hint="`coast explore` goes through any number.",
+        )  # fmt: skip
     pairs = pair_table(design.outer, design.middle, design.gravity, options.assembly)
     reasons = _reasons(design, pairs)
     possible = reasons == ""

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from coast_cli.spec import positions
 
 REFERENCE = Path(__file__).with_name("reference.toml")
-LARGEST_FILE = 50_000_000
+LARGEST_FILE = 5_000_000
 _ADVICE = {
     "missing": "a required key is missing",
     "extra_forbidden": "there is no such key",
@@ -66,9 +66,11 @@ def read_text(path: str | Path) -> str:
     """Return the text of a UTF-8 file; a folder, a huge file or one that cannot be read is refused."""
     path = Path(path)
     try:
-        if path.is_file() and path.stat().st_size > LARGEST_FILE:
+        with path.open("rb") as stream:
+            data = stream.read(LARGEST_FILE + 1)  # of a pipe nobody knows the size
+        if len(data) > LARGEST_FILE:
             raise BadInput("the file is too large", file=path, allowed=f"at most {LARGEST_FILE} bytes")
-        return path.read_bytes().decode("utf-8-sig")
+        return data.decode("utf-8-sig")
     except FileNotFoundError:
         raise BadInput("there is no such file", file=path, hint=_similar_files(path)) from None
     except IsADirectoryError:

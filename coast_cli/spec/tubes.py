@@ -10,6 +10,7 @@ from coast_cli.spec.config import Config, Notch, RatioLimits, Sample, Stock
 from coast_cli.spec.positions import Path
 
 Role = Literal["outer", "middle"]
+MOST_NOTCHES = 2_000_000  # of all samples of a stock
 
 
 @dataclass(frozen=True)
@@ -47,11 +48,12 @@ def check_design(config: Config) -> None:
     if config.outer is None and config.middle is None:
         raise config.refuse((), "there is no tube", allowed="an [outer] table, a [middle] table or both")
     _check_names(config)
+    _check_size(config)
     tubes = {role: bench_tubes(config, role) for role in ("outer", "middle")}
     _check_fits(config)
     if tubes["outer"] and tubes["middle"]:
-        faults = (assembly_fault(config, outer, middle) for outer in tubes["outer"] for middle in tubes["middle"])
-        if all(faults):
+        widest = max(tubes["outer"], key=lambda tube: tube.inner_diameter_mm)
+        if all(assembly_fault(config, widest, middle) for middle in tubes["middle"]):
             reason = assembly_fault(config, tubes["outer"][0], tubes["middle"][0])
             raise config.refuse(("middle", "outer_diameter_mm"), f"no pair can be assembled: {reason}")
     if config.joint is not None and config.joint.pair is not None:
@@ -191,6 +193,19 @@ def _check_names(config: Config) -> None:
                 message = f"two tubes have this name, the other is in [{seen[sample.name]}]"
                 raise config.refuse(path, message, found=sample.name, allowed="a name of its own")
             seen[sample.name] = role
+
+
+def _check_size(config: Config) -> None:
+    """Refuse more notches in all than a computer holds, before any is made."""
+    for role in ("outer", "middle"):
+        stock: Stock | None = getattr(config, role)
+        if stock is None:
+            continue
+        shared = (stock.notch or Notch()).count or 1
+        total = sum((sample.notch and sample.notch.count) or shared for sample in stock.samples)
+        if total > MOST_NOTCHES:
+            allowed = f"up to {MOST_NOTCHES}"
+            raise config.refuse((role, "samples"), "too many notches on all tubes together", found=total, allowed=allowed)
 
 
 def _check_fits(config: Config) -> None:

@@ -47,7 +47,7 @@ class Fuzzer:
     def __init__(self, name: str, out: Path, minutes: float) -> None:
         self.name, self.target, self.out = name, TARGETS[name], out
         self.file = Path(tempfile.mkdtemp()) / f"fuzzed{self.target.suffix}"
-        self.runs, self.refused, self.seen = 0, 0, set()
+        self.runs, self.refused, self.seen, self.seeds = 0, 0, set(), self.target.seeds()
         self.started, self.cpu_limit = time.process_time(), 60.0 * minutes
         self.memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
 
@@ -96,9 +96,11 @@ class Fuzzer:
                          f"{len(self.seen)} findings, {self.memory / 2**20:.0f} MB\n")  # fmt: skip
 
     def mutate(self, data: bytes, limit: int, seed: int) -> bytes:
-        """Half by structure, half by bytes."""
+        """Half by structure, half by bytes; often from a whole seed again, since most of what is damaged is refused."""
         chance = random.Random(seed)
-        if chance.random() < 0.6:
+        if chance.random() < 0.4:
+            return self.target.mutate(chance.choice(self.seeds), chance)[:limit]
+        if chance.random() < 0.4:
             return self.target.mutate(data, chance)[:limit]
         return atheris.Mutate(data, limit)
 

@@ -6,8 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from coast_cli.design import rank as ranking
 from coast_cli.design.rank import RankOptions, pareto, rank
-from coast_cli.errors import UsageError
+from coast_cli.errors import BadInput, UsageError
 from coast_cli.spec.load import load_config, load_config_text
 
 
@@ -70,3 +71,9 @@ def test_a_leading_outer_tube_in_front_is_noted(edited):
     ranking = rank(load_config(edited(("natural_curvature_per_m = 1.1 ", "natural_curvature_per_m = 2.0 "))))
     assert ranking.columns["leading_tube"][0] == "outer"
     assert any("snapping" in note for note in ranking.notes)
+
+
+def test_more_pairs_than_memory_are_refused_with_the_way_that_takes_them(reference, monkeypatch):
+    monkeypatch.setattr(ranking, "MOST_PAIRS", 11)
+    with pytest.raises(BadInput, match="too many pairs to rank at once; found 12; allowed: up to 11"):
+        rank(load_config(reference))

@@ -151,3 +151,16 @@ def test_bounds_of_a_calibratable_and_of_a_plain_number(reference_text):
     assert config.bounds("joint.youngs_modulus_gpa") == (42.6, 30.0, 80.0)
     assert config.bounds("joint.notch_friction") == (1.0063, 1.0, 10.0)
     assert config.bounds("materials.nitinol.youngs_modulus_gpa") == (45.0, 0.001, 10_000.0)
+
+
+@pytest.mark.parametrize("path", ["/dev/zero", "a\0b"])
+def test_a_stream_that_never_ends_and_a_name_that_cannot_be_are_refused(path):
+    with pytest.raises(BadInput, match="too large|cannot be read"):
+        load_config(path)
+
+
+def test_more_notches_than_a_computer_holds_are_refused_before_any_is_made(reference_text):
+    many = "".join(f'[[middle.samples]]\nname = "X{number}"\ndepth_mm = 0.25\n' for number in range(30))
+    text = reference_text.replace("count = 125", "count = 100_000").replace("[inner]", many + "\n[inner]", 1)
+    with pytest.raises(BadInput, match="too many notches on all tubes together; found 3300000; allowed: up to 2000000"):
+        load_config_text(text)
