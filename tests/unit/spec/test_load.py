@@ -129,7 +129,7 @@ def test_a_file_without_permission(tmp_path, reference_text, monkeypatch):
     path.write_text(reference_text, encoding="utf-8")
     path.chmod(0)
     if os.access(path, os.R_OK):  # the superuser may read everything, so the refusal is made
-        monkeypatch.setattr("pathlib.Path.read_bytes", lambda _: (_ for _ in ()).throw(PermissionError(13, "denied")))
+        monkeypatch.setattr("pathlib.Path.open", lambda *_: (_ for _ in ()).throw(PermissionError(13, "denied")))
     with pytest.raises(BadInput, match="no permission"):
         load_config(path)
 
@@ -155,7 +155,7 @@ def test_bounds_of_a_calibratable_and_of_a_plain_number(reference_text):
 
 @pytest.mark.parametrize("path", ["/dev/zero", "a\0b"])
 def test_a_stream_that_never_ends_and_a_name_that_cannot_be_are_refused(path):
-    with pytest.raises(BadInput, match="too large|cannot be read"):
+    with pytest.raises(BadInput, match=r"too large|cannot be read"):
         load_config(path)
 
 
