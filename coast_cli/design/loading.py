@@ -115,7 +115,7 @@ def loading_branch(
     for effect in ordered:
         joint = effect.joint(joint)
     length = float(_driven(ordered, np.zeros(1), bending_length).bending_length[0])
-    stations = stations_for(joint, ordered, length, "curvature", 1, 1.0)
+    stations = stations_for(joint, ordered, length, "curvature", 1)
     limit, parts = _FIRST_LIMIT, list[_Nodes]()
     while limit <= _LARGEST_CURVATURE:
         nodes = _nodes(stations, ordered, limit)

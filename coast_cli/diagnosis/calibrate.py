@@ -17,8 +17,7 @@ import numpy as np
 
 from coast_cli.diagnosis.least_squares import FitResult, Residual, least_squares, profile_interval
 from coast_cli.diagnosis.likelihood import COLOURS, NoiseBank
-from coast_cli.diagnosis.problem import CONFIG_KEYS, Problem, build_problem, with_base
-from coast_cli.effects.forward import Prediction, predict
+from coast_cli.diagnosis.problem import CONFIG_KEYS, Problem, build_problem
 from coast_cli.errors import BadInput, nearest
 
 if TYPE_CHECKING:
@@ -148,16 +147,6 @@ class Posed:
     parameters: tuple[Parameter, ...]
     problems: tuple[Problem, ...]
 
-    def predictions(self, problem: Problem, values: Mapping[str, float]) -> list[Prediction]:
-        """Return the predictions of a problem's runs, in order."""
-        found: dict[int, Prediction] = {}
-        for pair, numbered in problem.histories.items():
-            joint = with_base(problem.joints[pair], values)
-            histories = [history for _, history in numbered]
-            predicted = predict(joint, problem.fixed_effects, histories, problem.layouts[pair])
-            found.update(zip((index for index, _ in numbered), predicted, strict=True))
-        return [found[index] for index in range(len(problem.runs))]
-
     def values(self, coordinates: Floats, held: Mapping[str, float]) -> dict[str, float]:
         """Return all values by name."""
         free = [parameter for parameter in self.parameters if parameter.name not in held]
@@ -172,7 +161,7 @@ class Posed:
         """Return predicted less recorded responses and tensions, each over its noise, all problems together."""
         parts = []
         for problem, weight in zip(self.problems, weights, strict=True):
-            response, tension = problem.fitted(self.predictions(problem, values))
+            response, tension = problem.fitted(problem.predict_with(values, ()))
             parts.append((response - problem.observed) / weight.level)
             parts.append((tension - problem.observed_tension) / weight.tension_level)
         return np.concatenate(parts)
@@ -332,7 +321,7 @@ def _second_pass(posed: Posed, values: Mapping[str, float]) -> tuple[Posed, tupl
     """Drop outliers of the first pass, and take level and colour from what it left."""
     problems, weights = [], []
     for problem in posed.problems:
-        predictions = posed.predictions(problem, values)
+        predictions = problem.predict_with(values, ())
         usable = []
         errors = [prediction.response - run.response for run, prediction in zip(problem.runs, predictions, strict=True)]
         spread = 1.4826 * float(np.nanmedian(np.abs(np.concatenate([error.ravel() for error in errors]))))

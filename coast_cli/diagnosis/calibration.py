@@ -220,7 +220,7 @@ def _pooled(models: Sequence[tuple[Posed, Mapping[str, float]]]) -> dict[str, fl
     squares: dict[str, list[tuple[float, int]]] = {}
     for posed, values in models:
         for problem in posed.problems:
-            for run, prediction in zip(problem.runs, posed.predictions(problem, values), strict=True):
+            for run, prediction in zip(problem.runs, problem.predict_with(values, ()), strict=True):
                 error = prediction.response - run.response
                 error = error[np.isfinite(error)]
                 squares.setdefault(run.kind, []).append((float(error @ error), error.size))

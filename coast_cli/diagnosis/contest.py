@@ -80,17 +80,19 @@ def run_contest(problem: Problem, most_effects: int = 5) -> Contest:
     """
     scales = problem.scales()
     base = _hypothesis(problem, fit(problem), scales)
-    candidates = applicable(problem)
+    candidates, by_rows = applicable(problem), applicable_by_rows(problem)
     most_effects = min(most_effects, _carries(problem))
     tried: dict[frozenset[str], Hypothesis] = {frozenset(): base}
     frontier = [base]
     for size in range(1, most_effects + 1):
-        rough = _race(problem, frontier, candidates, scales, _FITTED_SINGLES if size == 1 else _FITTED_NEXT)
+        alone = [*candidates, *by_rows] if size == 1 else candidates
+        rough = _race(problem, frontier, alone, scales, _FITTED_SINGLES if size == 1 else _FITTED_NEXT)
         grown = []
         for started in rough[: _FINISHED_SINGLES if size == 1 else _FINISHED_NEXT]:
             finished = _hypothesis(problem, fit(problem, started.effects, started.coordinates), scales)
             tried[frozenset(finished.ids)] = finished
-            grown.append(finished)
+            if not any(type(effect) in by_rows for effect in finished.fit.effects):
+                grown.append(finished)
         if not grown:
             break
         grown.sort(key=lambda hypothesis: _plain_error(problem, hypothesis.fit))
@@ -169,8 +171,22 @@ def size_of(problem: Problem, larger: Hypothesis, smaller: Hypothesis) -> float:
 
 def applicable(problem: Problem) -> list[type[Effect]]:
     """Return the effects that could show in this recording at all."""
+    return _showing(problem, problem.holds)
+
+
+def applicable_by_rows(problem: Problem) -> list[type[Effect]]:
+    """Return the effects that could show if samples counted time, where there is no clock.
+
+    They compete alone: with a guessed clock, which in one sweep runs with the drive, a set of them draws anything.
+    """
+    if problem.holds["time"]:
+        return []
+    return [effect for effect in _showing(problem, {**problem.holds, "time": True}) if "time" in effect.needs]
+
+
+def _showing(problem: Problem, holds: Mapping[Need, bool]) -> list[type[Effect]]:
     fixed = {effect.id for effect in problem.fixed_effects}
-    return [e for e in CATALOGUE.values() if e.id not in fixed and all(problem.holds.get(need, True) for need in e.needs)]
+    return [e for e in CATALOGUE.values() if e.id not in fixed and all(holds.get(need, True) for need in e.needs)]
 
 
 def screen(

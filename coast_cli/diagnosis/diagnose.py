@@ -10,7 +10,7 @@ import numpy as np
 
 from coast_cli.diagnosis.answer import Comparison, Diagnosis, Level, Named, Value, Verdict
 from coast_cli.diagnosis.contest import Contest, Hypothesis, run_contest
-from coast_cli.diagnosis.errors import UNITS, errors_of, to_unit
+from coast_cli.diagnosis.errors import UNITS, errors_of, held_out_spread, to_unit
 from coast_cli.diagnosis.fit import Fit, fit
 from coast_cli.diagnosis.holdout import HoldOut, hold_out
 from coast_cli.diagnosis.locate import locate
@@ -35,6 +35,8 @@ _OF_EXPLAINED = 0.35
 # Two effects that only bend against each other draw anything: of a set, less may be left over.
 _OF_EXPLAINED_BY_SETS = 0.22
 # ... and on rows that were not fitted the error must fall to this share, unless it is at the noise.
+# Growth of a held-out error within the noise that still counts as none.
+_HARM = 1.1
 _OF_HELD_OUT = 0.55
 # A base parameter has moved when the refit gains this many nats and changes the fit by this share of the noise.
 _PARAMETERS_GAIN = 6.0
@@ -105,7 +107,7 @@ class _Judge:
         allowed = _OF_EXPLAINED if len(leading.ids) < 2 or problem.runs[0].kind == "notch" else _OF_EXPLAINED_BY_SETS
         unexplained = excess > _OF_NOISE * min(floor, leading.fit.rmse) and excess > allowed * explained
         comparison = self._comparison(leading.fit)
-        if leading.ids and not _holds(comparison, to_unit(problem.runs[0].kind, floor)):
+        if leading.ids and not self._carries_over(comparison, floor):
             # What does not carry over to unseen rows is dropped, and the base model is judged in its place.
             base_alone = replace(self, contest=replace(contest, leading=contest.base, tried=(contest.base,)))
             judged = base_alone.diagnosis()
@@ -194,6 +196,24 @@ class _Judge:
             tip_mm_with_effects=tip_effects,
         )
 
+    def _carries_over(self, comparison: Comparison, floor: float) -> bool:
+        """Return whether most of the improvement is there on rows that were not fitted; ``floor`` in SI.
+
+        Held-out rows that the base model predicts within the noise cannot show an improvement, only harm. Elsewhere the
+        error may be as large as the noise and what the fit does not know of its parameters make it.
+        """
+        before, after = comparison.refitted.held_out, comparison.with_effects.held_out
+        if before is None or after is None:
+            return True
+        within = _ABOVE_NOISE * to_unit(self.problem.runs[0].kind, floor)
+        if before < within:
+            return after < _HARM * before
+        if after < before and (after < within or after < _OF_HELD_OUT * before):
+            return True
+        fitted = self.contest.leading.fit
+        unsure = held_out_spread(self.problem, fitted, self.kept_back.rows)
+        return after < before and after < np.hypot(within, _ABOVE_NOISE * unsure)
+
     def _named(self, leading: Hypothesis, final: Fit, excess: float, explained: float) -> tuple[Named, ...]:
         confidence = _confidence(self.contest, self._rivals(), excess / max(explained, 1e-300))
         size, names = len(self.problem.base), {}
@@ -245,7 +265,8 @@ class _Judge:
     def _notes(self) -> tuple[str, ...]:
         runs, notes = self.problem.runs, []
         if not self.problem.holds["time"]:
-            notes.append("there is no time_s, so nothing about rate, lag, creep or drift can be concluded")
+            notes.append("there is no time_s: samples are taken as one second apart (assumed), so what lag, creep or drift "
+                         "show is weaker, and their time constants count samples")  # fmt: skip
         if not self.problem.holds["release"]:
             notes.append("there is no release, so friction, play and set cannot show")
         elif self.problem.holds["time"] and not self.problem.holds["rates"]:
@@ -290,14 +311,6 @@ def _excess(fitted: Fit, floor: float, structure: Structure, margin: float) -> f
     above = np.sqrt(max(fitted.rmse**2 - floor**2, 0.0)) if fitted.rmse > margin * floor else 0.0
     repeated = fitted.rmse * np.sqrt(max(structure.repeats, 0.0)) if structure.repeats > _REPEATS else 0.0
     return float(max(above, repeated))
-
-
-def _holds(comparison: Comparison, floor: float) -> bool:
-    """Return whether most of the improvement is there on rows that were not fitted; ``floor`` in the table's unit."""
-    before, after = comparison.refitted.held_out, comparison.with_effects.held_out
-    if before is None or after is None:
-        return True
-    return after < before and (after < _ABOVE_NOISE * floor or after < _OF_HELD_OUT * before)
 
 
 def _by_importance(problem: Problem, contest: Contest) -> list[str]:

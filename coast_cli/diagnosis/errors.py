@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from coast_cli.diagnosis.fit import Fit
 from coast_cli.diagnosis.problem import Problem
 from coast_cli.effects.effect import Effect
 from coast_cli.effects.forward import Prediction
@@ -36,6 +37,39 @@ def to_unit(kind: str, value: float) -> float:
 def errors_of(problem: Problem, coordinates: FloatArray, effects: Sequence[Effect], rows: Sequence[NDArray[np.bool_]]) -> Errors:
     """Return the errors of a model on the given rows of every run, outliers and dropped frames left out."""
     return pooled_errors(problem, problem.predict(coordinates, effects), rows)
+
+
+def held_out_spread(problem: Problem, fitted: Fit, rows: Sequence[NDArray[np.bool_]]) -> float:
+    """Return how far predictions on some rows are unsure because the fitted parameters are, RMS in the table's unit."""
+    whole = problem.only(rows)
+    origin, _ = whole.fitted(whole.predict(fitted.coordinates, fitted.effects))
+    columns = []
+    for place, std in enumerate(np.sqrt(np.maximum(np.diagonal(fitted.covariance), 0.0))):
+        step = 0.1 * float(std)
+        coordinates, effects = _stepped(fitted, place, step)
+        moved, _ = whole.fitted(whole.predict(coordinates, effects))
+        columns.append((moved - origin) / step if step > 0.0 else np.zeros_like(origin))
+    tangents = np.stack(columns, axis=1)
+    variance = np.einsum("ij,jk,ik->i", tangents, fitted.covariance, tangents)
+    return to_unit(problem.runs[0].kind, float(np.sqrt(np.mean(np.maximum(variance, 0.0)))))
+
+
+def _stepped(fitted: Fit, place: int, step: float) -> tuple[FloatArray, tuple[Effect, ...]]:
+    """Return the fit's base coordinates and effects with one of all its parameters moved, inside its range."""
+    coordinates = fitted.coordinates.copy()
+    if place < coordinates.size:
+        coordinates[place] += step
+        return coordinates, fitted.effects
+    place -= coordinates.size
+    effects = list(fitted.effects)
+    for index, effect in enumerate(effects):
+        if place < len(effect.parameters):
+            parameter = effect.parameters[place]
+            value = float(np.clip(getattr(effect, parameter.name) + step, parameter.low, parameter.high))
+            effects[index] = replace(effect, **{parameter.name: value})
+            break
+        place -= len(effect.parameters)
+    return coordinates, tuple(effects)
 
 
 def pooled_errors(

@@ -43,6 +43,7 @@ _TRIVIAL = 1e-12
 _DIFFERENCES_MARGIN = 1.6
 _FEWEST_RELEASED = 3
 _SHORTEST_BRANCH = 5
+_FEWEST_TO_SCREEN = 7
 _RATES_DIFFER = 1.5
 _TRAVEL = 0.2  # of the range, for a branch to have a rate of its own
 
@@ -61,6 +62,32 @@ class BaseParameter:
     def logarithmic(self) -> bool:
         """Whether the fit moves the logarithm."""
         return self.name in _LOGARITHMIC
+
+
+@dataclass(frozen=True, slots=True)
+class Recorded:
+    """What the drive did in a run, with the turning points that its samples miss, and at which rows (n,) it was seen."""
+
+    run: int
+    history: History
+    rows: NDArray[np.int64]
+
+
+def recorded_history(run: JointRun, index: int, first_time: float) -> Recorded:
+    """Return the history of a run; without a clock its samples are taken as one second apart."""
+    from coast_cli.recordings.corners import missed_corners
+
+    clock = np.arange(len(run), dtype=np.float64) if run.time is None else run.time - first_time
+    corners = missed_corners(run.drive, clock, run.branches)
+    drive = np.insert(run.drive, corners.before, corners.drive)
+    history = History(
+        np.insert(clock, corners.before, corners.time),
+        None if run.stroke is None else drive,
+        drive if run.stroke is None else None,
+        np.insert(run.bending_length, corners.before, run.bending_length[corners.before]),
+    )
+    rows = np.arange(len(run)) + np.searchsorted(corners.before, np.arange(len(run)), side="right")
+    return Recorded(index, history, rows)
 
 
 @dataclass(frozen=True)
@@ -106,13 +133,11 @@ class Problem:
         return max(float(seen), min(float(reached), 3.0 * float(seen) + 20.0))
 
     @cached_property
-    def histories(self) -> dict[str, list[tuple[int, History]]]:
-        """Drive histories by pair, each with the index of its run."""
-        by_pair: dict[str, list[tuple[int, History]]] = {}
+    def histories(self) -> dict[str, list[Recorded]]:
+        """Drive histories by pair, in the order of the runs."""
+        by_pair: dict[str, list[Recorded]] = {}
         for index, run in enumerate(self.runs):
-            time = None if run.time is None else run.time - self.first_time
-            tension = run.tension if run.stroke is None else None
-            by_pair.setdefault(run.pair, []).append((index, History(time, run.stroke, tension, run.bending_length)))
+            by_pair.setdefault(run.pair, []).append(recorded_history(run, index, self.first_time))
         return by_pair
 
     @cached_property
@@ -180,20 +205,19 @@ class Problem:
             p.name: float(np.exp(c) if p.logarithmic else c) for p, c in zip(self.base, coordinates, strict=True)
         }
 
-    def joint(self, pair: str, coordinates: FloatArray) -> Joint:
-        """Return a pair's joint with its base parameters replaced."""
-        return with_base(self.joints[pair], self.values(coordinates))
-
     def predict(self, coordinates: FloatArray, effects: Sequence[Effect]) -> list[Prediction]:
-        """Return the prediction of every run in order."""
+        """Return the prediction of every run in order, from base parameters in fit coordinates."""
+        return self.predict_with(self.values(coordinates), effects)
+
+    def predict_with(self, values: Mapping[str, float], effects: Sequence[Effect]) -> list[Prediction]:
+        """Return the prediction of every run in order, from base parameters in user units; those not given stay."""
         found: dict[int, Prediction] = {}
-        for pair, numbered in self.histories.items():
-            joint = self.joint(pair, coordinates)
-            histories = [history for _, history in numbered]
-            for (index, _), prediction in zip(
-                numbered, predict(joint, (*self.fixed_effects, *effects), histories, self.layouts[pair]), strict=True
-            ):
-                found[index] = prediction
+        for pair, recorded in self.histories.items():
+            joint = with_base(self.joints[pair], values)
+            histories = [one.history for one in recorded]
+            predicted = predict(joint, (*self.fixed_effects, *effects), histories, self.layouts[pair])
+            for one, whole in zip(recorded, predicted, strict=True):
+                found[one.run] = Prediction(whole.response[one.rows], whole.tension[one.rows])
         return [found[index] for index in range(len(self.runs))]
 
     @cached_property
@@ -248,7 +272,7 @@ class Problem:
             if run not in self._fitted_runs:
                 continue
             joint = self.joints[run.pair]
-            stations = stations_for(joint, (), float(run.bending_length[0]), run.kind, run.response.shape[1], 1.0)
+            stations = stations_for(joint, (), float(run.bending_length[0]), run.kind, run.response.shape[1])
             divisor = {"curvature": 1.0, "bend": float(run.bending_length.mean()), "notch": float(stations.pitch.mean())}
             seen = float(np.nanmax(np.abs(run.response), initial=0.0)) / divisor[run.kind]
             curvature = max(curvature, seen)
@@ -305,11 +329,12 @@ def build_problem(config: Config, runs: Sequence[JointRun], held_out: Sequence[B
         raise config.refuse(("tendon",), "a stroke needs a tendon", allowed="a [tendon] table")
     held = held_out or [np.zeros(len(run), bool) for run in runs]
     fitted = [not rows.all() for rows in held]
-    usable, noise = _screened([run.response for run in runs], fitted)
+    drives = [run.drive for run in runs]
+    usable, noise = _screened([run.response for run in runs], drives, fitted)
     witness = all(run.tension is not None and run.stroke is not None for run in runs)
     if witness:
         columns = [_required(run.tension)[:, np.newaxis] for run in runs]
-        tension_usable, tension_noise = _screened(columns, fitted)
+        tension_usable, tension_noise = _screened(columns, drives, fitted)
         tension_rows = tuple(use[:, 0] for use in tension_usable)
     else:
         tension_rows, tension_noise = tuple(np.zeros(len(run), bool) for run in runs), None
@@ -383,24 +408,34 @@ def _has_rates(runs: Sequence[JointRun]) -> bool:
     return bool(rates) and max(rates) > _RATES_DIFFER * min(rates)
 
 
-def _screened(columns: Sequence[FloatArray], fitted: Sequence[bool]) -> tuple[list[Booleans], float]:
+def _screened(
+    columns: Sequence[FloatArray], drives: Sequence[FloatArray], fitted: Sequence[bool]
+) -> tuple[list[Booleans], float]:
     """Return which samples count (finite, and no lone outlier) and the rough noise level of the runs that are fitted."""
     level = _difference_level([values for values, use in zip(columns, fitted, strict=True) if use] or columns)
     usable = []
-    for values in columns:
+    for values, drive in zip(columns, drives, strict=True):
         good = np.isfinite(values)
         for column in range(values.shape[1]):
             rows = np.flatnonzero(good[:, column])
-            if rows.size < 7:
+            if rows.size < _FEWEST_TO_SCREEN:
                 continue
-            series = values[rows, column]
-            padded = np.pad(series, 2, mode="reflect")
-            windows = np.lib.stride_tricks.sliding_window_view(padded, 5)
-            deviation = np.abs(series - np.median(windows, axis=1))
-            spread = np.median(np.abs(np.diff(series)))
-            good[rows[deviation > 7.0 * level + 4.0 * spread], column] = False
+            series, behind = values[rows, column], drive[rows]
+            moved = float(np.ptp(series)) / max(float(np.ptp(behind)), 1e-300) * _alone(behind)
+            spread = float(np.median(np.abs(np.diff(series))))
+            good[rows[_alone(series) > 7.0 * level + 0.5 * spread + 2.0 * moved], column] = False
         usable.append(good)
     return usable, level
+
+
+def _alone(series: FloatArray) -> FloatArray:
+    """Return how far each sample (n,) lies from what the two before, the two after, or one of each foretell, at least."""
+    inside = np.full(series.size, np.inf)
+    inside[1:-1] = np.abs(series[1:-1] - 0.5 * (series[:-2] + series[2:]))
+    before, after = np.full(series.size, np.inf), np.full(series.size, np.inf)
+    before[2:] = np.abs(series[2:] - 2.0 * series[1:-1] + series[:-2])
+    after[:-2] = np.abs(series[:-2] - 2.0 * series[1:-1] + series[2:])
+    return np.asarray(np.minimum(inside, np.minimum(before, after)))
 
 
 def _difference_level(columns: Sequence[FloatArray]) -> float:

@@ -148,9 +148,18 @@ class Effect:
         """Change the moment (N m) that holds each curvature (1/m), on load (+1) or release (-1)."""
         return moment
 
-    def stiffness_drift(self, time: FloatArray) -> FloatArray | None:
-        """Return the relative change of stiffness at each time (s), or None for none."""
+    def drift(self, time: FloatArray) -> FloatArray | None:
+        """Return how far (0 to 1) a slow change of the structure has come at each time (s), or None for none."""
         return None
+
+    def drifted(self, share: float) -> tuple[float, float]:
+        """Return the factor on stiffness and the curvature at rest (1/m) when a slow change has come so far."""
+        return 1.0, 0.0
+
+    @property
+    def rounding(self) -> float:
+        """Standard deviation of ln of the play's width along the path: ends of the wait are rounded by it."""
+        return 0.0
 
     def sense(self, response: FloatArray, history: History) -> FloatArray:
         """Change the response, shape (n, k), on its way through the camera; in the recording's SI unit."""

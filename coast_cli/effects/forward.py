@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from statistics import NormalDist
 from typing import Literal
 
 import numpy as np
@@ -25,6 +26,7 @@ ResponseKind = Literal["curvature", "bend", "notch"]
 # Distinct bending lengths tabulated one by one; a run that slides X2 continuously is interpolated between this many.
 _MOST_LENGTHS = 9
 _SLACK_SWEEPS = 12
+_PARTS = np.array([NormalDist().inv_cdf((place + 0.5) / 4) for place in range(4)])
 _SLACK_TOLERANCE = 1e-8  # m, far under any screw's step
 
 
@@ -55,7 +57,7 @@ def predict(joint: Joint, effects: Sequence[Effect], runs: Sequence[History], la
     ordered = in_order(effects)
     for effect in ordered:
         joint = effect.joint(joint)
-    cache: dict[tuple[float, float], _Tables] = {}
+    cache: dict[tuple[float, float, float], _Tables] = {}
     predictions = []
     earlier = 0.0
     for run in runs:
@@ -81,14 +83,14 @@ def _predict_run(
     effects: Sequence[Effect],
     commanded: History,
     layout: Layout,
-    cache: dict[tuple[float, float], _Tables],
+    cache: dict[tuple[float, float, float], _Tables],
 ) -> Prediction:
     history = commanded
     for effect in effects:
         history = effect.drive(history)
     low, high, stations = _bounds(joint, effects, history, history.drive, layout, cache)
     if history.stroke is None:
-        curvature = _state(low, high, stations)
+        curvature = _state(low, high, stations, effects)
         tension = history.drive
     else:
         curvature, tension = _with_slack(joint, effects, history, layout, cache, low, high, stations)
@@ -103,7 +105,7 @@ def _with_slack(
     effects: Sequence[Effect],
     history: History,
     layout: Layout,
-    cache: dict[tuple[float, float], _Tables],
+    cache: dict[tuple[float, float, float], _Tables],
     low: FloatArray,
     high: FloatArray | None,
     stations: Stations,
@@ -113,7 +115,7 @@ def _with_slack(
     with_memory = [effect for effect in effects if type(effect).slack is not Effect.slack]
     slack = np.zeros_like(stroke)
     for _ in range(_SLACK_SWEEPS):
-        curvature = _state(low, high, stations)
+        curvature = _state(low, high, stations, effects)
         tension = _tension(joint, effects, stroke - slack, curvature, stations, history.bending_length)
         if not with_memory:
             break
@@ -126,9 +128,19 @@ def _with_slack(
     return curvature, tension
 
 
-def _state(low: FloatArray, high: FloatArray | None, stations: Stations) -> FloatArray:
+def _state(low: FloatArray, high: FloatArray | None, stations: Stations, effects: Sequence[Effect]) -> FloatArray:
     """Return the curvature of each station; without a release branch of its own there is nothing to wait for."""
-    return low if high is None else follow(low, np.maximum(low, high), stations.rest)
+    if high is None:
+        return low
+    high = np.maximum(low, high)
+    rounding = max(effect.rounding for effect in effects)
+    if rounding == 0.0:
+        return follow(low, high, stations.rest)
+    # Parts of the path that wait for more and for less than the mean, side by side (Prandtl and Ishlinskii).
+    width = np.exp(rounding * _PARTS)
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    parts = [follow(middle - part * half, middle + part * half, stations.rest) for part in width / width.mean()]
+    return np.asarray(np.mean(parts, axis=0))
 
 
 def _bounds(
@@ -137,28 +149,30 @@ def _bounds(
     history: History,
     drive: FloatArray,
     layout: Layout,
-    cache: dict[tuple[float, float], _Tables],
+    cache: dict[tuple[float, float, float], _Tables],
 ) -> tuple[FloatArray, FloatArray | None, Stations]:
     """Return the curvature (n, m) that load and release hold at each row, and the stations they stand for."""
-    drift = _stiffness_drift(effects, history)
     reverses = any(effect.reverses for effect in effects)
-    if drift is None:
-        return _at_lengths(joint, effects, history, drive, layout, cache, 1.0, reverses)
+    drifting = _drifting(effects, history)
+    if drifting is None:
+        return _at_lengths(joint, effects, history, drive, layout, cache, (1.0, 0.0), reverses)
+    effect, drift = drifting
     first, last = float(drift.min()), float(drift.max())
-    low_0, high_0, stations = _at_lengths(joint, effects, history, drive, layout, cache, 1.0 + first, reverses)
+    low_0, high_0, stations = _at_lengths(joint, effects, history, drive, layout, cache, effect.drifted(first), reverses)
     if last - first < 1e-12:
         return low_0, high_0, stations
-    low_1, high_1, _ = _at_lengths(joint, effects, history, drive, layout, cache, 1.0 + last, reverses)
+    low_1, high_1, _ = _at_lengths(joint, effects, history, drive, layout, cache, effect.drifted(last), reverses)
     part = ((drift - first) / (last - first))[:, np.newaxis]
     high = None if high_0 is None or high_1 is None else high_0 + part * (high_1 - high_0)
     return low_0 + part * (low_1 - low_0), high, stations
 
 
-def _stiffness_drift(effects: Sequence[Effect], history: History) -> FloatArray | None:
+def _drifting(effects: Sequence[Effect], history: History) -> tuple[Effect, FloatArray] | None:
+    """Return the effect that changes the structure slowly, and how far it has come at each row."""
     if history.time is None or history.time.size == 0:
         return None
-    drifts = [drift for effect in effects if (drift := effect.stiffness_drift(history.time)) is not None]
-    return drifts[0] if drifts else None
+    found = ((effect, effect.drift(history.time)) for effect in effects)
+    return next(((effect, drift) for effect, drift in found if drift is not None), None)
 
 
 def _at_lengths(
@@ -167,8 +181,8 @@ def _at_lengths(
     history: History,
     drive: FloatArray,
     layout: Layout,
-    cache: dict[tuple[float, float], _Tables],
-    stiffness: float,
+    cache: dict[tuple[float, float, float], _Tables],
+    drifted: tuple[float, float],
     reverses: bool,  # noqa: FBT001 -- private, and always passed by the two lines above
 ) -> tuple[FloatArray, FloatArray | None, Stations]:
     lengths = history.bending_length
@@ -177,9 +191,9 @@ def _at_lengths(
         distinct = np.linspace(distinct[0], distinct[-1], _MOST_LENGTHS)
     found = []
     for length in distinct.tolist():
-        key = (length, stiffness)
+        key = (length, *drifted)
         if key not in cache:
-            cache[key] = _tabulate(joint, effects, length, layout, stiffness, stroke_driven=history.stroke is not None)
+            cache[key] = _tabulate(joint, effects, length, layout, drifted, stroke_driven=history.stroke is not None)
         found.append(cache[key])
     if len(found) == 1:
         return _look_up(found[0], drive, reverses)
@@ -211,10 +225,10 @@ def _look_up(
 
 
 def _tabulate(
-    joint: Joint, effects: Sequence[Effect], length: float, layout: Layout, stiffness: float, *, stroke_driven: bool
+    joint: Joint, effects: Sequence[Effect], length: float, layout: Layout, drifted: tuple[float, float], *, stroke_driven: bool
 ) -> _Tables:
     """Return both branches at one bending length, each as a strictly usable axis: a jump is where it cannot hold."""
-    stations = stations_for(joint, effects, length, layout.kind, layout.columns, stiffness)
+    stations = stations_for(joint, effects, length, layout.kind, layout.columns, drifted)
     sides = []
     rest = 0.0
     homed = max((effect.homing() for effect in effects), default=0.0)

@@ -27,6 +27,7 @@ class Stations:
         friction_gain: ln(actuator tension / tension at the segment) of the base model, on load and by it on release.
         resolved: whether every station is one notch. rest_path: tendon path at rest that the stroke does not count, m.
         rest: curvature before the drive moves, midway between what load and release would hold when slack, 1/m, (m,).
+        drifted_rest: curvature at rest that a drift of the material has added, 1/m.
     """
 
     segment: Segment
@@ -40,6 +41,7 @@ class Stations:
     resolved: bool
     rest_path: float = 0.0
     rest: FloatArray | None = None
+    drifted_rest: float = 0.0
 
     def shortening(self, curvature: FloatArray) -> FloatArray:
         """Return how far the bend pulls the tendon, m, for curvature (..., m): P (9), chord across each cut."""
@@ -49,13 +51,18 @@ class Stations:
 
 
 def stations_for(
-    joint: Joint, effects: Sequence[Effect], length: float, kind: str, columns: int, stiffness: float
+    joint: Joint,
+    effects: Sequence[Effect],
+    length: float,
+    kind: str,
+    columns: int,
+    drifted: tuple[float, float] = (1.0, 0.0),
 ) -> Stations:
     """Return the stations of a joint at one bending length (m).
 
     Args:
         kind, columns: what is observed; "notch" with k columns wants the k distal notches one by one.
-        stiffness: factor on the rigidity, for a drift of the material.
+        drifted: factor on the rigidity and curvature at rest, for a drift of the material.
     """
     tube = joint.middle
     radius = 0.0 if joint.tendon is None else joint.tendon.radius
@@ -83,7 +90,7 @@ def stations_for(
         inertia = inertia + joint.outer.rigidity_series / joint.outer.youngs_modulus
     bend_weight = count * pitch
     segment = Segment(
-        rigidity=(stiffness * joint.youngs_modulus * inertia)[:, np.newaxis],
+        rigidity=(drifted[0] * joint.youngs_modulus * inertia)[:, np.newaxis],
         bending_length=length,
         joint=joint,
         strain_per_curvature=_strain(tube, chosen, pitch.size),
@@ -100,6 +107,7 @@ def stations_for(
         share=bend_weight / bend_weight.sum(),
         friction_gain=float(gain),
         resolved=bool(np.all(count == 1.0)),
+        drifted_rest=drifted[1],
     )
 
 
@@ -113,7 +121,7 @@ def branch(
     )
     gain = float(np.exp(exponent))
     curvature = np.linspace(-_NEGATIVE * curvature_limit, curvature_limit, _TABLE)
-    moment = stations.segment.rigidity * curvature
+    moment = stations.segment.rigidity * (curvature - stations.drifted_rest)
     for effect in effects:
         moment = effect.moment(moment, np.broadcast_to(curvature, moment.shape), direction, stations.segment)
     if stations.pitch.size == 1:

@@ -37,7 +37,7 @@ class TendonPermanentSet(Effect):
             "share that is still there in later runs; 0 where re-zeroed", role="shape"
         ),
     )
-    needs = ("stroke", "release")
+    needs = ("stroke",)
     decided_by = "two cycles to the same stroke and one larger, each returning to zero, with tension recorded"
 
     def slack(self, tension: FloatArray, history: History, joint: Joint) -> FloatArray:

@@ -12,21 +12,26 @@ from coast_cli.mechanics.section import FloatArray
 
 @dataclass(frozen=True)
 class ThermalDrift(Effect):
-    """Drift of the bending stiffness and of the zero of the response; linear where the time constant is long."""
+    """Drift of stiffness, of the shape at rest, or of the zero of the response; linear where the time constant is long."""
 
     stiffness_change: float = 0.0
     zero_change: float = 0.0
+    rest_change_per_m: float = 0.0
     time_constant_s: float = 1000.0
 
     id = "thermal_drift"
     title = "stiffness or zero drifts with time"
     component = "material"
     stage = "structure"
-    equation = "EI -> EI (1 + stiffness_change g), response -> response + zero_change g, g = 1 - exp(-t/time_constant)"
+    equation = (
+        "M = EI (1 + stiffness_change g) (kappa - rest_change g), response -> response + zero_change g, "
+        "g = 1 - exp(-t/time_constant)"
+    )
     source = "plateau stress +6.5 MPa/K (physics.md); Newton's law of warming for g"
     parameters = (
         Parameter("stiffness_change", 0.0, -0.9, 5.0, (0.05, 0.0), "tens of per cent"),
         Parameter("zero_change", 0.0, -100.0, 100.0, (0.0, 0.05), "SI unit of the response", "response"),
+        Parameter("rest_change_per_m", 0.0, -60.0, 60.0, (0.0, 0.05), "as large as a natural curvature", "curvature"),
         Parameter(
             "time_constant_s", 1000.0, 0.05, 1e6, (0.1, 0.4, 3.0),
             "a fraction of the recording and longer", "duration", role="shape"
@@ -35,9 +40,15 @@ class ThermalDrift(Effect):
     needs = ("time",)
     decided_by = "the same sweep repeated at the start and at the end of an hour, slack in between"
 
-    def stiffness_drift(self, time: FloatArray) -> FloatArray | None:
-        """Return the relative change of stiffness."""
-        return None if self.stiffness_change == 0.0 else np.maximum(self.stiffness_change * self._part(time), -0.95)
+    def drift(self, time: FloatArray) -> FloatArray | None:
+        """Return the share of the change that is reached at each time."""
+        if self.stiffness_change == 0.0 and self.rest_change_per_m == 0.0:
+            return None
+        return self._part(time)
+
+    def drifted(self, share: float) -> tuple[float, float]:
+        """Return the factor on stiffness and the curvature at rest (1/m) at a share of the change."""
+        return max(1.0 + self.stiffness_change * share, 0.05), self.rest_change_per_m * share
 
     def sense(self, response: FloatArray, history: History) -> FloatArray:
         """Add the drift of the zero."""

@@ -19,6 +19,9 @@ from coast_cli.mechanics.tube import NotchedTube
 
 # Which tube an effect sits on; it is chosen by comparison and never fitted.
 TUBE = Parameter("tube", 0.0, 0.0, 10_000.0, (0.0,), "0: every tube; k: the k-th of the file, outer tubes first")
+# Whether each tube may differ from what an effect has for all of them by a share of it; chosen in the same way.
+BY_TUBE = Parameter("by_tube", 0.0, 0.0, 1.0, (0.0, 1.0), "1: each tube's own differs from it by a few per cent")
+CHOICES = (TUBE, BY_TUBE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,15 +88,17 @@ class ShapeEffect(Effect):
 
     ``expected`` holds (mean, standard deviation) of parameters that physics foretells; ``of_one_tube`` marks effects
     that may sit on one tube alone; ``on_pairs`` those that only an assembled pair can have; ``is_local`` those shorter
-    than a few pitches. ``order`` is the power of its amplitude with which a small effect grows; ``logarithmic`` names
-    the parameters that a fit moves by factors; ``rarity`` is what the effect pays, nats, for being
-    less likely beforehand; negative where theory says that it is always there.
+    than a few pitches; ``of_stock`` those that a corrected configuration holds as numbers of the tubes themselves.
+    ``order`` is the power of its amplitude with which a small effect grows; ``logarithmic`` names the parameters that a
+    fit moves by factors; ``rarity`` is what the effect pays, nats, for being less likely beforehand; negative where theory
+    says that it is always there.
     """
 
     expected: ClassVar[Mapping[str, tuple[float, float]]] = {}
     of_one_tube: ClassVar[bool] = False
     on_pairs: ClassVar[bool] = False
     is_local: ClassVar[bool] = False
+    of_stock: ClassVar[bool] = False
     order: ClassVar[int] = 1
     logarithmic: ClassVar[tuple[str, ...]] = ()
     rarity: ClassVar[float] = 0.0
@@ -101,7 +106,12 @@ class ShapeEffect(Effect):
     @classmethod
     def fitted(cls) -> tuple[Parameter, ...]:
         """Return the parameters that a fit moves."""
-        return tuple(parameter for parameter in cls.parameters if parameter is not TUBE)
+        return tuple(parameter for parameter in cls.parameters if parameter not in CHOICES)
+
+    @property
+    def variant(self) -> tuple[str, float]:
+        """Its id and what was chosen for it: the number of the tube it sits on, or whether tubes differ; 0 by default."""
+        return self.id, float(getattr(self, "tube", getattr(self, "by_tube", 0.0)))
 
     def fitted_values(self) -> FloatArray:
         """Return their values."""
@@ -135,6 +145,8 @@ class ShapeEffect(Effect):
         for parameter in cls.parameters:
             if parameter is TUBE:
                 choices.append(cls.places(scene))
+            elif parameter is BY_TUBE:
+                choices.append([0.0, 1.0] if len(scene.alone) > 1 else [0.0])
             else:
                 size = cls.reach(parameter, scene)
                 choices.append([float(np.clip(s * size, parameter.low, parameter.high)) for s in parameter.starts])
@@ -170,6 +182,10 @@ class ShapeEffect(Effect):
         """Return whether the effect sits on the tube of that number."""
         chosen = getattr(self, "tube", 0.0)
         return chosen in {0.0, float(number)}
+
+    def spread(self, share: float) -> Self:
+        """Return the effect as it is on a tube that differs from the rest by a share of it."""
+        return self
 
     def geometry(self, tube: NotchedTube) -> NotchedTube:
         """Change the tube itself."""

@@ -29,6 +29,7 @@ class NotchDepthError(ShapeEffect):
     parameters = (Parameter("depth_um", 0.0, -80.0, 80.0, (5.0, -5.0), "tolerance 10 to 20 micrometres"), TUBE)
     expected = {"depth_um": (0.0, 15.0)}
     of_one_tube = True
+    of_stock = True
     decided_by = "the same load on tubes of other depths, both ways up; or the depth measured under a microscope"
 
     def geometry(self, tube: NotchedTube) -> NotchedTube:

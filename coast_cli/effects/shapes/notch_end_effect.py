@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Self
 
 from coast_cli.effects.effect import Parameter
-from coast_cli.effects.shapes.effect import ShapeEffect
+from coast_cli.effects.shapes.effect import BY_TUBE, ShapeEffect
 from coast_cli.mechanics.end_effect import end_length
 from coast_cli.mechanics.tube import NotchedTube
 
@@ -15,6 +16,7 @@ class NotchEndEffect(ShapeEffect):
     """The extra cut length of every notch as a share of what 3-D solids of one cell give for its own geometry."""
 
     table_share: float = 0.0
+    by_tube: float = 0.0
 
     id = "notch_end_effect"
     title = "stress spreads from strip to ring"
@@ -22,10 +24,15 @@ class NotchEndEffect(ShapeEffect):
     stage = "structure"
     equation = "pitch/EI = uncut/EI_1 + (cut + table_share delta(d, uncut))/EI_2"
     source = "physics.md, left out by P: 3-D solid finite elements of one cell; mechanics/end_effect.py"
-    parameters = (Parameter("table_share", 0.0, 0.0, 4.0, (1.0,), "1: as the solid cells have it"),)
+    parameters = (Parameter("table_share", 0.0, 0.0, 4.0, (1.0,), "1: as the solid cells have it"), BY_TUBE)
     expected = {"table_share": (1.0, 0.3)}
     rarity = -2.0
+    of_stock = True
     decided_by = "tubes of another notch depth, cut or uncut length: one tube alone cannot tell it from its modulus"
+
+    def spread(self, share: float) -> Self:
+        """Return the effect of one tube, that much longer than the table has it."""
+        return replace(self, table_share=self.table_share * (1.0 + share)) if self.by_tube and share else self
 
     def geometry(self, tube: NotchedTube) -> NotchedTube:
         """Lengthen the cuts."""
