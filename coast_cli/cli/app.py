@@ -17,6 +17,7 @@ COMMANDS = {
     "explore": "coast_cli.cli.explore:explore",
     "design": "coast_cli.cli.design:design",
     "stroke": "coast_cli.cli.stroke:stroke",
+    "path": "coast_cli.cli.path:path",
     "beam": "coast_cli.cli.beam:beam",
     "sensitivity": "coast_cli.cli.sensitivity:sensitivity",
     "check": "coast_cli.cli.check:check",
