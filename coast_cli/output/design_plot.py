@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from coast_cli.output.labels import LABELS
-from coast_cli.output.picture import COLOURS, MARKS, Picture
+from coast_cli.output.picture import COLOURS, MARKS, Picture, short
 
 _MOST_CURVES = 12
 _MOST_LABELS = 40
@@ -27,8 +27,8 @@ def plot_pairs(columns: Mapping[str, Any], rigidity: str) -> Picture:
         for family, colour, mark in zip(families, cycle(COLOURS), cycle(MARKS), strict=False):
             rows = np.flatnonzero(table["middle"] == family)
             rows = rows[np.argsort([int(name[1:]) for name in table["sample"][rows]])]
-            axes.plot(x[rows], y[rows], "-", color=colour, lw=0.9, alpha=0.6)
-            axes.plot(x[rows], y[rows], mark, color=colour, ms=5, label=family)
+            axes.plot(x[rows], y[rows], "-", color=colour, lw=0.9, alpha=0.6, zorder=1)
+            axes.plot(x[rows], y[rows], mark, color=colour, ms=5, label=short(family))
         front = table["pareto"].astype(bool)
         axes.plot(x[front], y[front], "o", mfc="none", mec="black", ms=10, mew=0.8, label="front")
         if x.size <= _MOST_LABELS:
@@ -83,7 +83,7 @@ def plot_shapes(columns: Mapping[str, Any]) -> Picture:
             rows = names == tube
             axes.plot(x[rows], y[rows], "-", color=colour)
             axes.annotate(
-                tube, (x[rows][-1], y[rows][-1]), xytext=(4, 0), textcoords="offset points", color=colour, va="center"
+                short(tube), (x[rows][-1], y[rows][-1]), xytext=(4, 0), textcoords="offset points", color=colour, va="center"
             )
         axes.set_aspect("equal", adjustable="box")
         axes.set(xlabel="x, along the clamp (mm)", ylabel="y, against gravity (mm)")
@@ -153,9 +153,9 @@ def _bounds(check: str, figure: str, rows: Sequence[Mapping[str, Any]]) -> bool:
 
 
 def _name(axes: Any, name: str, x: float, y: float) -> None:  # noqa: ANN401
-    """Write the name of a point beside it, kept clear of lines."""
+    """Write the name of a point beside it, over lines and under points."""
     clear = {"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.7}
-    axes.annotate(name, (x, y), xytext=(6, 4), textcoords="offset points", fontsize=8, bbox=clear)
+    axes.annotate(name, (x, y), xytext=(6, 4), textcoords="offset points", fontsize=8, bbox=clear, zorder=1.5)
 
 
 def _label(axes: Any, x: str, y: str) -> None:  # noqa: ANN401

@@ -10,7 +10,7 @@ import numpy as np
 from coast_cli.diagnosis.curves import Curve, curves
 from coast_cli.output.comparison_plot import RESPONSES
 from coast_cli.output.diagnosis_words import percent, place
-from coast_cli.output.picture import COLOURS, RECORDED, Picture
+from coast_cli.output.picture import COLOURS, RECORDED, Picture, short
 from coast_cli.units import MILLIMETRE
 
 if TYPE_CHECKING:
@@ -102,7 +102,7 @@ def _shape(curve: ShapeCurve, found: Diagnosis, upper: Any, lower: Any) -> None:
 
 def _models(curve: Curve | ShapeCurve, found: Diagnosis) -> list[tuple[Floats, str, str]]:
     models = [(curve.base, _BASE, "base refitted")]
-    return [*models, (curve.corrected, _CORRECTED, "with effects")] if found.model_effects else models
+    return [*models, (curve.corrected, _CORRECTED, "with effects")] if found.model_effects or found.model_tubes else models
 
 
 def _columns(response: Floats) -> list[int]:
@@ -122,7 +122,7 @@ def _bars(answer: DiagnosisAnswer, axes: Any) -> None:  # noqa: ANN401
     axes.barh(range(len(regions)), shares, color=_BASE, height=0.6)
     for height, (share, region) in enumerate(zip(shares, regions, strict=True)):
         axes.text(share + 1.0, height, percent(region.share), va="center", fontsize=8)
-    axes.set_yticks(range(len(regions)), [place(region, answer.drive_unit) for region in regions])
+    axes.set_yticks(range(len(regions)), [short(place(region, answer.drive_unit), 40) for region in regions])
     axes.set_xlim(0.0, 112.0)
     axes.set_xticks(range(0, 101, 20))
     axes.set_xlabel("share of the error above the noise (%)")

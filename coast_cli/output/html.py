@@ -20,7 +20,7 @@ body { font: 1rem/1.45 system-ui, "Segoe UI", Roboto, "DejaVu Sans", sans-serif;
 h1 { font-size: 1.7rem; line-height: 1.2; margin: 0 0 .3rem; }
 h2 { font-size: 1.3rem; margin: 2.4rem 0 .5rem; padding-bottom: .2rem; border-bottom: 2px solid #0072b2; }
 h3 { font-size: 1.05rem; margin: 1.5rem 0 .4rem; } h1, h2, h3, p:has(+ .wide), p:has(+ figure) { break-after: avoid; }
-p, ul { margin: .5rem 0; max-width: 50rem; orphans: 3; widows: 3; } ul { padding-left: 1.2rem; }
+p, ul { margin: .5rem 0; max-width: 50rem; } p, li { break-inside: avoid; } ul { padding-left: 1.2rem; }
 nav { margin: 1rem 0; } nav a { margin-right: 1.1rem; white-space: nowrap; } a { color: #0072b2; }
 .wide { overflow-x: auto; margin: .6rem 0 1rem; }
 table { border-collapse: collapse; font-size: .87rem; font-variant-numeric: tabular-nums; }

@@ -77,6 +77,11 @@ class Picture:
         write_files({path: lambda stream: stream.write(content)}, binary=True)
 
 
+def short(name: str, most: int = 20) -> str:
+    """Return a name that leaves room for what it is drawn beside."""
+    return name if len(name) <= most else name[: most - 1] + "…"
+
+
 def can_draw() -> bool:
     """Return whether matplotlib is installed."""
     try:

@@ -51,7 +51,7 @@ def _parts(answer: DesignReport) -> dict[str, tuple[str, str]]:
         "tolerances": (
             "Tolerances", tolerance_section(config, pair, answer.tolerance, answer.samples) if answer.tolerance else "",
         ),
-        "checks": ("Checks", checks_section(answer.checks) if answer.checks else ""),
+        "checks": ("Checks", checks_section(config, answer.checks) if answer.checks else ""),
     }  # fmt: skip
     if answer.diagnosis is not None:
         headline = HEADLINES[answer.diagnosis.diagnosis.verdict]

@@ -43,9 +43,9 @@ def ranking_section(ranking: Ranking, options: RankOptions, pair: str) -> str:
     """Return the ranked pairs with the front marked; the row of ``pair`` stands out."""
     columns = ranking.columns
     count = len(columns["rank"])
-    shown = range(min(count, _MOST_PAIRS))
     figures = [column(name, columns[name]) for name in _PAIR_FIGURES]
     names = [f"{outer}/{middle}" for outer, middle in zip(columns["outer"], columns["middle"], strict=True)]
+    shown = [k for k in range(count) if k < _MOST_PAIRS or names[k] == pair]
     head = [
         Column("rank"), Column("sample", holds="key"), Column("pair", holds="key"), Column("front", holds="key"),
         *(Column(LABELS[name].words, LABELS[name].unit) for name in _PAIR_FIGURES), Column("leads", holds="key"),
@@ -129,7 +129,7 @@ def tolerance_section(
     return joined(*parts, _notes(notes))
 
 
-def checks_section(rows: Sequence[Mapping[str, Any]]) -> str:
+def checks_section(config: Config, rows: Sequence[Mapping[str, Any]]) -> str:
     """Return the limits of a pair with their values, and whether each holds."""
     held = sum(bool(row["passed"]) for row in rows)
     said = f"{held} of {len(rows)} limits hold for {rows[0]['pair']} as drawn."
@@ -140,7 +140,7 @@ def checks_section(rows: Sequence[Mapping[str, Any]]) -> str:
     lines = [
         Row(
             [
-                row["check"], Checks.model_fields[row["check"]].description or "", row["bound"],
+                row["check"], _meaning(config, row["check"]), row["bound"],
                 f"{row['value']:.4g}", f"{row['limit']:.4g}", "✓ holds" if row["passed"] else "✗ fails",
             ],
             "" if row["passed"] else "fails",
@@ -148,6 +148,13 @@ def checks_section(rows: Sequence[Mapping[str, Any]]) -> str:
         for row in rows
     ]  # fmt: skip
     return paragraph(said) + "\n" + table(head, lines)
+
+
+def _meaning(config: Config, check: str) -> str:
+    said = Checks.model_fields[check].description or ""
+    point = config.checks.max_stroke_mm if config.checks is not None else None
+    at = f": {point.curvature_per_m:g} 1/m, {point.bending_length_mm:g} mm" if point is not None else ""
+    return said + at if check == "max_stroke_mm" else said
 
 
 def _tolerances(config: Config) -> str:
