@@ -2,7 +2,19 @@
 
 import sys
 
-from coast_cli.output.html import Column, Group, Markup, Row, bullets, figure, footer, grouped, paragraph, section, table
+from coast_cli.output.html import (
+    Column,
+    Group,
+    Markup,
+    Row,
+    bullets,
+    figure,
+    footer,
+    grouped,
+    paragraph,
+    section,
+    table,
+)
 from coast_cli.output.picture import Picture
 
 
