@@ -78,7 +78,7 @@ def _dask(address: str) -> Iterator[tuple[Executor, int]]:
     try:
         from distributed import Client
     except ImportError:
-        raise UsageError("--cluster needs dask.distributed: install coast-cli[cluster].") from None
+        raise UsageError("--cluster needs dask.distributed: pip install 'coast-cli[cluster]'.") from None
     try:
         client: Any = Client(address, timeout=_CONNECT_SECONDS, set_as_default=False)
     except (OSError, ValueError, TimeoutError):

@@ -117,7 +117,7 @@ def _renamed_columns(table: Table, renamed: Mapping[str, str]) -> list[Column]:
         if not isinstance(column, Column):
             raise table.error(
                 "--columns names no column of ours", found=ours, allowed="such as stroke_mm=X1",
-                hint=nearest(ours, known_names()) or None,
+                hint=nearest(ours, known_names()) or (f"Ours comes first: {theirs}={ours}." if _parse(theirs) else None),
             )  # fmt: skip
         if theirs in table.names:
             columns.append(Column(theirs, column.quantity, column.factor, column.notch))

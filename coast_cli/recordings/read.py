@@ -15,7 +15,7 @@ from coast_cli.recordings.table import Table, read_table, segments
 from coast_cli.units import MILLIMETRE
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -84,6 +84,7 @@ def read_recordings(
             joint.extend(_joint_runs(table, layout, defaults))
         else:
             shape.extend(_shape_runs(table, layout, defaults))
+    notes.extend(_short_lengths(joint, defaults))
     runs_joint, runs_shape = _named_apart(joint, notes), _named_apart(shape, notes)
     return Recordings(
         joint=Recording("joint", runs_joint, tuple(sources), tuple(notes)) if joint else None,
@@ -332,6 +333,15 @@ def _check_joint_run(table: Table, layout: Layout, run: JointRun, start: int, de
             found=f"{run.bending_length[row] / MILLIMETRE:g} mm",
             allowed=f"up to {shortest.length / MILLIMETRE:g} mm",
         )
+
+
+def _short_lengths(runs: Sequence[JointRun], defaults: Defaults) -> Iterator[str]:
+    """Say where a bending length is shorter than one pitch, as it is where metres are taken for millimetres."""
+    for run in runs:
+        tube = (defaults.middle_tubes or {}).get(run.middle)
+        if tube is not None and np.min(run.bending_length, initial=np.inf) < np.min(tube.pitch):
+            pitch = np.min(tube.pitch) / MILLIMETRE
+            yield f"{run.source}: run {run.name!r} has a bending length below one pitch, {pitch:g} mm: is it in mm?"
 
 
 def _shape_runs(table: Table, layout: Layout, defaults: Defaults) -> Iterable[ShapeRun]:

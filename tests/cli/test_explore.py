@@ -164,7 +164,7 @@ def test_a_full_disk_is_said_and_what_is_written_stays(config, tmp_path):
 def test_no_cluster_is_said(coast, config):
     if find_spec("distributed") is None:
         ran = coast("explore", config(), "--cluster", "tcp://127.0.0.1:9")
-        assert "install coast-cli[cluster]" in ran.err
+        assert "pip install 'coast-cli[cluster]'" in ran.err
     else:
         ran = coast("explore", config(), "--cluster", "nonsense://127.0.0.1")
         assert "no dask scheduler" in ran.err

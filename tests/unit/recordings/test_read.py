@@ -100,6 +100,16 @@ def test_decimal_commas_are_said(written, config):
     assert "decimal commas" in read_recordings([written(data)], config).notes[0]
 
 
+def test_a_bending_length_in_metres_is_doubted(written, config):
+    doubted = "run 'a' has a bending length below one pitch, 0.6 mm: is it in mm?"
+    assert doubted in read_recordings([written(JOINT + ROWS.replace(",30,", ",0.03,"))], config).notes[0]
+
+
+def test_a_renaming_the_wrong_way_round_is_told(written):
+    with pytest.raises(BadInput, match=re.escape("Ours comes first: stroke_mm=X1 [mm].")):
+        read_recordings([written("X1 [mm],kappa\n1,2\n")], columns={"X1 [mm]": "stroke_mm"})
+
+
 def test_blank_lines_keep_line_numbers(written, config):
     run = only_run(read_recordings([written(b"\n\n" + PLAIN.replace(b"\na,0.1", b"\n\na,0.1"))], config))
     assert run.line.tolist() == [4, 6, 7]
