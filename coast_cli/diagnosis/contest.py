@@ -71,6 +71,11 @@ class Contest:
             and other.score > self.leading.score - ALIKE
         )
 
+    def parts(self) -> tuple[Hypothesis, ...]:
+        """Return sets inside the leading one that earn their place over the base model too, best first."""
+        leading, base = set(self.leading.ids), self.base.score
+        return tuple(h for h in self.tried if set(h.ids) < leading and h.ids and h.score - base > THRESHOLD * len(h.ids))
+
 
 def run_contest(problem: Problem, most_effects: int = 5) -> Contest:
     """Fit and compare all sets worth comparing, up to ``most_effects`` effects.

@@ -14,8 +14,10 @@ from coast_cli.diagnosis.errors import UNITS, errors_of, held_out_spread, to_uni
 from coast_cli.diagnosis.fit import Fit, fit
 from coast_cli.diagnosis.holdout import HoldOut, hold_out
 from coast_cli.diagnosis.locate import locate
+from coast_cli.diagnosis.loop import widest_loop
 from coast_cli.diagnosis.problem import Problem, build_problem
 from coast_cli.diagnosis.structure import Structure, find_structure
+from coast_cli.effects.backlash import Backlash
 from coast_cli.effects.catalogue import CATALOGUE
 from coast_cli.effects.effect import Effect
 from coast_cli.mechanics.section import FloatArray
@@ -107,13 +109,21 @@ class _Judge:
         allowed = _OF_EXPLAINED if len(leading.ids) < 2 or problem.runs[0].kind == "notch" else _OF_EXPLAINED_BY_SETS
         unexplained = excess > _OF_NOISE * min(floor, leading.fit.rmse) and excess > allowed * explained
         comparison = self._comparison(leading.fit)
-        if leading.ids and not self._carries_over(comparison, floor):
-            # What does not carry over to unseen rows is dropped, and the base model is judged in its place.
+        if leading.ids and not self._carries_over(leading.fit, comparison, floor):
+            # What does not carry over to unseen rows is dropped: a part of it that does is judged in its place, or the base.
+            part = next((h for h in contest.parts() if self._carries_over(h.fit, self._comparison(h.fit), floor)), None)
+            if part is not None:
+                return replace(self, contest=replace(contest, leading=part)).diagnosis()
             base_alone = replace(self, contest=replace(contest, leading=contest.base, tried=(contest.base,)))
             judged = base_alone.diagnosis()
             tried = f"{' + '.join(leading.ids)} fits what was fitted but does not predict what was held out"
             return replace(judged, attempts=leading.ids, reason=f"{judged.reason}; {tried}")
         final = self._final(leading.fit)
+        vanished = _vanished(final, len(problem.base))
+        if vanished:
+            # What all rows together do not hold is not named; the set without it is judged in its place.
+            rest = next((h for h in contest.tried if set(h.ids) == set(leading.ids) - vanished), contest.base)
+            return replace(self, contest=replace(contest, leading=rest)).diagnosis()
         verdict = self._verdict(unexplained=unexplained)
         named = self._named(leading, final, excess, explained) if verdict in ("physics", "sensor", "ambiguous") else ()
         kind = problem.runs[0].kind
@@ -196,7 +206,7 @@ class _Judge:
             tip_mm_with_effects=tip_effects,
         )
 
-    def _carries_over(self, comparison: Comparison, floor: float) -> bool:
+    def _carries_over(self, fitted: Fit, comparison: Comparison, floor: float) -> bool:
         """Return whether most of the improvement is there on rows that were not fitted; ``floor`` in SI.
 
         Held-out rows that the base model predicts within the noise cannot show an improvement, only harm. Elsewhere the
@@ -210,7 +220,6 @@ class _Judge:
             return after < _HARM * before
         if after < before and (after < within or after < _OF_HELD_OUT * before):
             return True
-        fitted = self.contest.leading.fit
         unsure = held_out_spread(self.problem, fitted, self.kept_back.rows)
         return after < before and after < np.hypot(within, _ABOVE_NOISE * unsure)
 
@@ -262,6 +271,16 @@ class _Judge:
             return CATALOGUE[_by_importance(self.problem, self.contest)[0]].decided_by
         return _untested(self.problem)
 
+    def _loop_note(self) -> list[str]:
+        """Say how wide the loop is low and high up, where what was named is one of those that make loops."""
+        named = {CATALOGUE[identifier] for identifier in self.contest.leading.ids}
+        loop = widest_loop(self.problem.runs)
+        if loop is None or not any(effect.reverses or effect is Backlash for effect in named):
+            return []
+        unit, name = (MILLIMETRE, "mm") if self.problem.runs[0].stroke is not None else (1.0, "N")
+        return [f"the loop is {loop.low / unit:.2g} {name} wide at a fifth of the response and {loop.high / unit:.2g} {name} "
+                f"at four fifths: {loop.meaning}"]  # fmt: skip
+
     def _notes(self) -> tuple[str, ...]:
         runs, notes = self.problem.runs, []
         if not self.problem.holds["time"]:
@@ -271,6 +290,7 @@ class _Judge:
             notes.append("there is no release, so friction, play and set cannot show")
         elif self.problem.holds["time"] and not self.problem.holds["rates"]:
             notes.append("the drive has one rate and no hold, so a late camera can hardly be told from play")
+        notes.extend(self._loop_note())
         lengths = [float(np.median(run.bending_length)) for run in runs]
         if np.ptp(lengths) <= 0.05 * max(lengths):
             notes.append("there is one bending length, so what grows with it is taken up by the modulus")
@@ -299,6 +319,9 @@ def _untested(problem: Problem) -> str:
     if np.ptp(lengths) <= 0.05 * max(lengths) and runs[0].kind != "notch":
         half = 0.5 * max(lengths) / MILLIMETRE
         parts.append(f"the same at X2 = {half:.3g} mm beside {max(lengths) / MILLIMETRE:.3g} mm")
+    lowest = min(float(np.min(run.drive)) for run in runs)
+    if lowest > (max(problem.joints[runs[0].pair].deadband, 0.02 * top) if runs[0].stroke is not None else 0.02 * top):
+        parts.append("begin each sweep slack, at zero " + ("stroke" if runs[0].stroke is not None else "tension"))
     if not problem.holds["time"]:
         parts.append("record time_s, at two rates ten times apart, with a hold of 60 s at the largest drive")
     if runs[0].stroke is not None and problem.tension_noise is None:
@@ -311,6 +334,21 @@ def _excess(fitted: Fit, floor: float, structure: Structure, margin: float) -> f
     above = np.sqrt(max(fitted.rmse**2 - floor**2, 0.0)) if fitted.rmse > margin * floor else 0.0
     repeated = fitted.rmse * np.sqrt(max(structure.repeats, 0.0)) if structure.repeats > _REPEATS else 0.0
     return float(max(above, repeated))
+
+
+def _vanished(final: Fit, base_count: int) -> set[str]:
+    """Return the effects of the final fit whose every size is nothing within its own error."""
+    found, place = set(), base_count
+    for effect in final.effects:
+        sizes = []
+        for parameter in effect.parameters:
+            std = float(np.sqrt(max(final.covariance[place, place], 0.0)))
+            if parameter.role == "size":
+                sizes.append(abs(getattr(effect, parameter.name) - parameter.null) <= std)
+            place += 1
+        if sizes and all(sizes):
+            found.add(effect.id)
+    return found
 
 
 def _by_importance(problem: Problem, contest: Contest) -> list[str]:

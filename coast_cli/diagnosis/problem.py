@@ -41,6 +41,7 @@ CONFIG_KEYS = {
 }
 _TRIVIAL = 1e-12
 _DIFFERENCES_MARGIN = 1.6
+_SLOW_NOISE = 1.6  # times the floor: base fits of clean simulated recordings end within 2.1 of it
 _FEWEST_RELEASED = 3
 _SHORTEST_BRANCH = 5
 _FEWEST_TO_SCREEN = 7
@@ -173,9 +174,10 @@ class Problem:
 
     @property
     def highest_floor(self) -> float:
-        """The highest noise level that the recording leaves possible, SI: slow noise counted in full."""
+        """The highest noise level that the recording leaves possible, SI: slow noise counted in full, within reason."""
         estimate = self.noise_estimate
-        return max(float(estimate.level * np.exp(min(estimate.log_level_std, 0.7))), self.floor)
+        generous = float(estimate.level * np.exp(min(estimate.log_level_std, 0.7)))
+        return min(max(generous, self.floor), _SLOW_NOISE * self.floor)
 
     @cached_property
     def floor(self) -> float:

@@ -144,9 +144,9 @@ def candidates(
             hold=_HOLD,
         ),
         protocol(
-            f"three bending lengths, X2 = {', '.join(_mm(part * reach) for part in _THREE)} mm: load to {to_top} and "
-            f"release to {to_low} {at}",
-            *((whole, rate, part * reach) for part in _THREE),
+            f"three bending lengths, X2 = {', '.join(_mm(part * reach) for part in _THREE)} mm: from slack (0 "
+            f"{bench.unit_name}) to {to_top} and release to slack {at}",
+            *(((0.0, top, 0.0), rate, part * reach) for part in _THREE),
         ),
         protocol(
             f"hold {_HOLD / 3.0:g} s at each of five steps up to {to_top} and five down, {at} between them, {where}",
