@@ -65,5 +65,8 @@ def diagnose(
     origin = provenance(document, recordings=read.sources, options=options, seed=seed)
     for note in (*read.notes, *notes):
         say(f"note: {note}")
-    write_diagnosis(DiagnosisAnswer(found, document, read, origin, (*read.notes, *notes)), outputs)
-    return 1 if fail_on_mismatch and found.verdict != "agrees" else 0
+    carried = found.carried
+    used = document if carried is None or carried.config is None else carried.config
+    write_diagnosis(DiagnosisAnswer(found, used, read, origin, (*read.notes, *notes)), outputs)
+    agrees = found.verdict == "agrees" and (carried is None or carried.shapes.verdict == "agrees")
+    return 1 if fail_on_mismatch and not agrees else 0

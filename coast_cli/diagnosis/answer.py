@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from coast_cli.diagnosis.locate import Region
 from coast_cli.effects.effect import Effect
+
+if TYPE_CHECKING:
+    from coast_cli.spec.config import Config
 
 Verdict = Literal["agrees", "parameters", "physics", "sensor", "ambiguous", "unexplained", "insufficient"]
 
@@ -73,6 +76,8 @@ class Diagnosis:
         next_recording: what would settle what is open, in bench words.
         notes: what limits the answer, a sentence each.
         model_effects, model_parameters: the corrected model, for the model file.
+        carried: of joint and shapes in one call, what the shapes say and what of it the joint was diagnosed with.
+        model_tubes: numbers of its tubes by their keys there, one or one for each notch.
     """
 
     verdict: Verdict
@@ -90,3 +95,37 @@ class Diagnosis:
     notes: tuple[str, ...] = ()
     model_effects: tuple[Effect, ...] = ()
     model_parameters: Mapping[str, float] = field(default_factory=dict)
+    model_tubes: Mapping[str, float | list[float]] = field(default_factory=dict)
+    carried: Carried | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Shared:
+    """A number that shapes and strokes both measure: by each alone, by both, and whether the two agree.
+
+    ``joint`` is None where the strokes cannot tell it from their own base parameters.
+    """
+
+    name: str
+    shapes: Value
+    joint: Value | None
+    together: Value | None
+    agree: bool | None
+
+
+@dataclass(frozen=True)
+class Carried:
+    """What the shapes of a call say, and what of it was carried over to its joint.
+
+    Attributes:
+        shapes: their diagnosis. shared: numbers that both measure.
+        without, with_it: the joint's errors as configured and with its base refitted, without what the shapes found in the
+            tubes and with it; None where they found nothing there.
+        config: the configuration corrected by the shapes, which the joint was diagnosed with; None where it was not.
+    """
+
+    shapes: Diagnosis
+    shared: tuple[Shared, ...] = ()
+    without: tuple[Level, Level] | None = None
+    with_it: tuple[Level, Level] | None = None
+    config: Config | None = None

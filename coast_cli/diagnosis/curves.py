@@ -49,7 +49,7 @@ def curves(config: Config, recordings: Recordings, diagnosis: Diagnosis) -> list
     held = set(diagnosis.comparison.held_out_runs)
     if recordings.joint is not None:
         return _joint_curves(config, recordings.joint.runs, diagnosis, held)
-    return [] if recordings.shape is None else _shape_curves(config, recordings.shape.runs, diagnosis, held)
+    return [] if recordings.shape is None else _shape_curves(config, recordings, diagnosis, held)
 
 
 def _joint_curves(config: Config, runs: Sequence[JointRun], diagnosis: Diagnosis, held: set[str]) -> list[Curve]:
@@ -66,21 +66,21 @@ def _joint_curves(config: Config, runs: Sequence[JointRun], diagnosis: Diagnosis
     ]
 
 
-def _shape_curves(config: Config, runs: Sequence[ShapeRun], diagnosis: Diagnosis, held: set[str]) -> list[ShapeCurve]:
+def _shape_curves(config: Config, recordings: Recordings, diagnosis: Diagnosis, held: set[str]) -> list[ShapeCurve]:
+    """Return the lines of the refitted base and of the model that ``--save-model`` writes."""
+    from coast_cli.diagnosis.model_file import model_text
     from coast_cli.diagnosis.shapes.fit import fit
     from coast_cli.diagnosis.shapes.problem import build_problem
-    from coast_cli.effects.shapes.effect import ShapeEffect
+    from coast_cli.spec.load import load_config_text
 
+    runs = [] if recordings.shape is None else recordings.shape.runs
     problem = build_problem(config, runs).with_train([np.full(len(run), run.name not in held) for run in runs])
-    wanted = [(p, diagnosis.model_parameters.get(p.key, p.value)) for p in problem.base]
-    coordinates = np.array([np.log(value) if p.logarithmic else value for p, value in wanted])
-    effects = [effect for effect in diagnosis.model_effects if isinstance(effect, ShapeEffect)]
-    states = (
-        problem.state(fit(problem, level=diagnosis.noise * MILLIMETRE).coordinates, ()),
-        problem.state(coordinates, effects),
-    )
-    before, after = (problem.forward.lines([(index, state) for index in range(len(runs))]) for state in states)
+    base = problem.state(fit(problem, level=diagnosis.noise * MILLIMETRE).coordinates, ())
+    corrected = build_problem(load_config_text(model_text(config, diagnosis, recordings), "corrected"), runs)
+    jobs = range(len(runs))
+    before = problem.forward.lines([(index, base) for index in jobs])
+    after = corrected.forward.lines([(index, corrected.state(corrected.configured(), ())) for index in jobs])
     return [
-        ShapeCurve(shape.run, shape.at, np.stack((base.x[0], base.y[0])), np.stack((line.x[0], line.y[0])))
-        for shape, base, line in zip(problem.photographs, before, after, strict=True)
+        ShapeCurve(shape.run, shape.at, np.stack((old.x[0], old.y[0])), np.stack((new.x[0], new.y[0])))
+        for shape, old, new in zip(problem.photographs, before, after, strict=True)
     ]

@@ -34,6 +34,8 @@ def model_text(config: Config, diagnosis: Diagnosis, recordings: Recordings, nam
     document = config.model_dump(exclude_unset=True)
     for parameter, value in diagnosis.model_parameters.items():
         put_number(document, CONFIG_KEYS.get(parameter, parameter), value)  # of shapes they are keys already
+    for key, tube in diagnosis.model_tubes.items():
+        put_number(document, key, tube)
     found = {
         effect.id: {p.name: float(getattr(effect, p.name)) for p in effect.parameters}
         for effect in diagnosis.model_effects
@@ -73,14 +75,14 @@ def calibrated_text(config: Config, calibration: Calibration, recordings: Record
     return text
 
 
-def put_number(document: dict[str, Any], key: str, value: float) -> None:
+def put_number(document: dict[str, Any], key: str, value: float | list[float]) -> None:
     """Replace a number by its dotted key; of ``{ value, min, max }`` the value moves and the bounds stay."""
     *tables, last = key.split(".")
     table: Any = document
     for part in tables:
         table = _step(table, part)
     before = table.get(last)
-    if isinstance(before, Mapping):
+    if isinstance(before, Mapping) and not isinstance(value, list):
         table[last] = {**before, "value": min(max(value, before["min"]), before["max"])}
     else:
         table[last] = value
@@ -96,7 +98,7 @@ def _step(table: Any, part: str) -> Any:  # noqa: ANN401
 def _origin(config: Config, diagnosis: Diagnosis, recordings: Recordings) -> list[str]:
     from coast_cli.spec.digest import config_digest
 
-    ids = ", ".join(effect.id for effect in diagnosis.model_effects) or "none"
+    ids = ", ".join(dict.fromkeys([*(e.id for e in diagnosis.effects), *(e.id for e in diagnosis.model_effects)])) or "none"
     lines = [
         f"Written by coast diagnose, version {__version__}. Verdict: {diagnosis.verdict}; effects added: {ids}.",
         f"Configuration {config.source or '<text>'}, sha256 {config_digest(config)}",

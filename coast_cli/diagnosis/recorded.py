@@ -1,4 +1,4 @@
-"""One diagnosis for whatever a call was given: joint recordings, shapes, or both with the joints first."""
+"""One diagnosis for whatever a call was given: joint recordings, shapes, or both, which then share their tubes."""
 
 from __future__ import annotations
 
@@ -27,10 +27,11 @@ def diagnose(
 
         _check_one_kind(recordings.joint.runs)
         _check_units(config, recordings.joint.runs)
-        notes = ("the shapes are not used: diagnose them in a call of their own.",) if recordings.shape else ()
-        runs = recordings.joint.runs
-        known = [name for name in named_hold_out if name in {run.name for run in runs}]
-        return diagnose_joint(config, runs, named_hold_out=known, most_effects=most_effects), notes
+        if recordings.shape is not None:
+            from coast_cli.diagnosis.together import diagnose_together
+
+            return diagnose_together(config, recordings, named_hold_out=named_hold_out, most_effects=most_effects), ()
+        return diagnose_joint(config, recordings.joint.runs, named_hold_out=named_hold_out, most_effects=most_effects), ()
     if recordings.shape is not None:
         from coast_cli.diagnosis.shapes import diagnose_shapes
 

@@ -10,7 +10,7 @@ from typing import IO, TYPE_CHECKING, Any
 from coast_cli.output.diagnosis_words import axis_unit
 
 if TYPE_CHECKING:
-    from coast_cli.diagnosis.answer import Comparison, Diagnosis, Level, Named, Value
+    from coast_cli.diagnosis.answer import Carried, Comparison, Diagnosis, Level, Named, Value
     from coast_cli.diagnosis.locate import Region
     from coast_cli.output.diagnosis import DiagnosisAnswer
 
@@ -23,13 +23,17 @@ def render(answer: DiagnosisAnswer, stream: IO[str]) -> None:
 
 def document(answer: DiagnosisAnswer) -> dict[str, Any]:
     """Return the diagnosis as plain tables and lists."""
-    found: Diagnosis = answer.diagnosis
+    notes = [*answer.diagnosis.notes, *answer.notes]
+    return {"schema": "coast.diagnosis/1", **_answers(answer.diagnosis, answer.drive_unit, notes),
+            "provenance": dict(answer.provenance)}  # fmt: skip
+
+
+def _answers(found: Diagnosis, drive_unit: str, notes: list[str]) -> dict[str, Any]:
     return {
-        "schema": "coast.diagnosis/1",
         "verdict": found.verdict,
         "reason": found.reason,
         "noise": {"unit": found.noise_unit, "value": number(found.noise)},
-        "where": [_region(region, answer.drive_unit) for region in found.where],
+        "where": [_region(region, drive_unit) for region in found.where],
         "effects": [_effect(effect) for effect in found.effects],
         "alternatives": [list(ids) for ids in found.alternatives],
         "attempts": list(found.attempts),
@@ -39,9 +43,28 @@ def document(answer: DiagnosisAnswer) -> dict[str, Any]:
         },
         "fit": None if found.comparison is None else _fit(found.comparison),
         "next_recording": found.next_recording,
-        "notes": [*found.notes, *answer.notes],
-        "provenance": dict(answer.provenance),
+        "notes": notes,
+        **({} if found.carried is None else _carried(found.carried)),
     }
+
+
+def _carried(carried: Carried) -> dict[str, Any]:
+    def levels(pair: tuple[Level, Level] | None) -> dict[str, Any] | None:
+        if pair is None:
+            return None
+        names = zip(("configured", "refitted"), pair, strict=True)
+        return {name: {"train": number(level.train), "held_out": number(level.held_out)} for name, level in names}
+
+    return {
+        "shapes": _answers(carried.shapes, "mm", list(carried.shapes.notes)),
+        "shared": [
+            {"name": one.name, "shapes": _value(one.shapes), "joint": None if one.joint is None else _value(one.joint),
+             "together": None if one.together is None else _value(one.together), "agree": one.agree}
+            for one in carried.shared
+        ],
+        "carried_over": {"used": carried.config is not None, "without": levels(carried.without),
+                         "with": levels(carried.with_it)},
+    }  # fmt: skip
 
 
 def number(value: float | None) -> float | None:

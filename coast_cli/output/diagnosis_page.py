@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from textwrap import wrap
 from typing import IO, TYPE_CHECKING
 
 from coast_cli.output.diagnosis_words import (
     HEADLINES,
+    SHARED_COLUMNS,
+    carried_over,
     chance,
     gained,
     held_out,
@@ -20,6 +23,7 @@ from coast_cli.output.diagnosis_words import (
     percent,
     place,
     sentence,
+    shared_rows,
     tip,
     unit_of,
 )
@@ -38,8 +42,22 @@ _MOST_NOTES = 8
 
 def render(answer: DiagnosisAnswer, stream: IO[str]) -> None:
     """Write the page."""
-    found = answer.diagnosis
     page = _Page(stream)
+    _answers(page, answer)
+    carried = answer.diagnosis.carried
+    if carried is not None:
+        page.heading("The shapes of the same call")
+        page.say(carried_over(carried, unit_of(answer.diagnosis)))
+        if carried.shared:
+            page.table(SHARED_COLUMNS, shared_rows(carried))
+        page.heading("")
+        _answers(page, replace(answer, diagnosis=carried.shapes))
+    for config in answer.provenance.get("configs", ()):
+        page.heading(f"{config['file']}  sha256 {config['sha256'][:16]}")
+
+
+def _answers(page: _Page, answer: DiagnosisAnswer) -> None:
+    found = answer.diagnosis
     page.say(f"{HEADLINES[found.verdict]} (verdict: {found.verdict})", indent="")
     page.say(sentence(found.reason), indent="")
     page.heading("1. Is there a mismatch?")
@@ -58,8 +76,6 @@ def render(answer: DiagnosisAnswer, stream: IO[str]) -> None:
     notes = [note for note in found.notes if fit is None or fit.rule not in note]
     for number, note in enumerate(notes[:_MOST_NOTES]):
         page.heading(f"Note: {sentence(note)}") if number == 0 else page.say(f"Note: {sentence(note)}", indent="")
-    for config in answer.provenance.get("configs", ()):
-        page.heading(f"{config['file']}  sha256 {config['sha256'][:16]}")
 
 
 class _Page:

@@ -6,7 +6,7 @@ from math import floor, isfinite, log10
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from coast_cli.diagnosis.answer import Comparison, Diagnosis, Level, Named, Value
+    from coast_cli.diagnosis.answer import Carried, Comparison, Diagnosis, Level, Named, Value
     from coast_cli.diagnosis.locate import Region
 
 HEADLINES = {
@@ -174,3 +174,37 @@ def sentence(text: str) -> str:
     begins_with_name = "_" in text.partition(" ")[0]
     begun = text if begins_with_name else text[:1].upper() + text[1:]
     return begun if begun.endswith((".", "?", "!")) else f"{begun}."
+
+
+def carried_over(carried: Carried, unit: str) -> str:
+    """Return what the joint took over from the shapes and what that changes in it, as sentences."""
+    if carried.without is None or carried.with_it is None:
+        return f"The shapes find nothing in the tubes that a joint would share (verdict: {carried.shapes.verdict})."
+    said = "What they find in the tubes is part of the model above." if carried.config is not None else (
+        "The strokes contradict what they find in the tubes, so it is not part of the model above."
+    )  # fmt: skip
+    before, after = ([_on_rows(level) for level in pair] for pair in (carried.without, carried.with_it))
+    held = "train / held out" if carried.with_it[0].held_out is not None else "train"
+    return (
+        f"{said} Error of the joint in {unit} ({held}), without and with it: as configured {before[0]} and {after[0]}, "
+        f"base refitted {before[1]} and {after[1]}."
+    )
+
+
+def _on_rows(level: Level) -> str:
+    return figure(level.train) if level.held_out is None else f"{figure(level.train)} / {figure(level.held_out)}"
+
+
+def shared_rows(carried: Carried) -> list[tuple[str, str, str, str, str]]:
+    """Return the numbers that both measure: name, by shapes, by strokes, by both, whether they agree."""
+    return [
+        (
+            one.name, measured(one.shapes), "cannot tell" if one.joint is None else measured(one.joint),
+            "" if one.together is None else measured(one.together),
+            "" if one.agree is None else "yes" if one.agree else "no",
+        )
+        for one in carried.shared
+    ]  # fmt: skip
+
+
+SHARED_COLUMNS = ("shared with the shapes", "by shapes", "by strokes", "by both", "agree")

@@ -7,19 +7,23 @@ of every effect at once, each scaled to where its first step would take it, base
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from coast_cli.diagnosis.contest import SMALLEST, THRESHOLD
-from coast_cli.diagnosis.shapes.fit import Fit, Space, fit, label
+from coast_cli.diagnosis.shapes.fit import Fit, Space, fit
 from coast_cli.diagnosis.shapes.forward import Job
 from coast_cli.diagnosis.shapes.problem import Problem
 from coast_cli.effects.shapes.catalogue import SHAPE_CATALOGUE, in_order
 from coast_cli.effects.shapes.effect import ShapeEffect
+from coast_cli.mechanics.section import FloatArray
 
 # Hypotheses this many nats behind the leading one still count as telling the same.
 ALIKE = 3.0
+# ... and so many behind it, and so many of them, are decided again on what was held out.
+_CLOSE = 12.0
+_MOST_CLOSE = 6
 Key = frozenset[tuple[str, float]]
 _FITTED_SINGLES = 9
 _FITTED_NEXT = 4
@@ -91,12 +95,46 @@ def run_contest(problem: Problem, level: float, most_effects: int = 5) -> Contes
     leading = _lead(problem, tried)
     for effect in leading.fit.effects if len(leading.ids) > 1 else ():
         rest = tuple(other for other in leading.fit.effects if other is not effect)
-        key = leading.fit.key - {label(effect)}
+        key = leading.fit.key - {effect.variant}
         if key not in tried:
             tried[key] = _hypothesis(problem, fit(problem, rest, leading.fit.coordinates, level=level, steps=8))
         _grow(problem, tried[key], level, tried, _FITTED_NEXT)
     ranked = sorted(tried.values(), key=lambda hypothesis: -hypothesis.score)
     return Contest(base, tuple(ranked), _lead(problem, tried))
+
+
+def settle(contest: Contest, problem: Problem, whole: Problem, level: float) -> Contest:
+    """Return the contest with its close ends decided on every point, those held out among them.
+
+    Only the choice between sets that score alike is made so, by scores of fits to ``whole``: each keeps its own fit.
+    """
+    leading = contest.leading
+    if not leading.ids:
+        return contest
+    close = [other for other in contest.tried if _paid(other) > _paid(leading) - _CLOSE][:_MOST_CLOSE]
+    if len(close) < 2:
+        return contest
+    scores = {}
+    for one in close:
+        start, rough = _carried(problem, one.fit, whole), max(level, 0.3 * one.fit.rmse)
+        refitted = fit(whole, one.fit.effects, start, level=rough, steps=6)
+        scores[one.fit.key] = _hypothesis(whole, refitted).score
+    ahead = scores[leading.fit.key] - leading.score
+    decided = {one.fit.key: one for one in contest.tried}
+    decided |= {one.fit.key: replace(one, score=scores[one.fit.key] - ahead) for one in close}
+    ranked = sorted(decided.values(), key=lambda hypothesis: -hypothesis.score)
+    return Contest(contest.base, tuple(ranked), _lead(problem, decided))
+
+
+def _carried(problem: Problem, fitted: Fit, whole: Problem) -> FloatArray:
+    known = {p.key: float(c) for p, c in zip(problem.base, fitted.coordinates, strict=True)}
+    start = zip(whole.base, whole.configured().tolist(), strict=True)
+    return np.array([known.get(parameter.key, configured) for parameter, configured in start])
+
+
+def _paid(hypothesis: Hypothesis) -> float:
+    """Return the score once every effect has paid."""
+    return hypothesis.score - THRESHOLD * len(hypothesis.ids)
 
 
 def _grow(
@@ -109,7 +147,7 @@ def _grow(
     loose = max(level, 0.3 * parent.fit.rmse)
     started = []
     for effect in screen(problem, parent.fit, level)[:most]:
-        if parent.fit.key | {label(effect)} not in tried:
+        if parent.fit.key | {effect.variant} not in tried:
             effects = in_order((*parent.fit.effects, effect))
             started.append(fit(problem, effects, parent.fit.coordinates, level=loose, steps=4, polish=False))
     if not started:
@@ -128,13 +166,14 @@ def _grow(
 
 def _plain_error(problem: Problem, hypothesis: Hypothesis) -> float:
     """Return the residual as white noise, in nats, and its parameters' price: smaller is better."""
-    parameters = sum(len(effect.fitted()) for effect in hypothesis.fit.effects)
-    return problem.size * float(np.log(max(hypothesis.fit.rmse, 1e-300))) + parameters
+    own = len(problem.base) - problem.free
+    parameters = sum(len(effect.fitted()) + own * getattr(effect, "by_tube", 0.0) for effect in hypothesis.fit.effects)
+    return float(problem.size * np.log(max(hypothesis.fit.rmse, 1e-300)) + parameters)
 
 
 def _lead(problem: Problem, tried: dict[Key, Hypothesis]) -> Hypothesis:
     """Return the set with the most evidence once every effect has paid, in which each is large enough to name."""
-    order = sorted(tried.values(), key=lambda h: h.score - THRESHOLD * len(h.ids), reverse=True)
+    order = sorted(tried.values(), key=_paid, reverse=True)
     for hypothesis in order:
         key = hypothesis.fit.key
         smaller = [other for other_key, other in tried.items() if other_key < key and len(other_key) == len(key) - 1]
@@ -157,7 +196,7 @@ def screen(problem: Problem, parent: Fit, level: float) -> list[ShapeEffect]:
     The step may be any multiple of the start, other parameters follow to first order, and the start is moved with it.
     """
     scale = max(level, parent.evidence.level, 1e-12)
-    taken = {effect.id for effect in (*parent.effects, *problem.fixed_effects)}
+    taken = {effect.id for effect in parent.effects} | problem.carried
     starts = [
         start for effect in SHAPE_CATALOGUE.values() if effect.id not in taken and (problem.scene.pairs or not effect.on_pairs)
         for start in effect.starts(problem.scene)
@@ -174,7 +213,7 @@ def screen(problem: Problem, parent: Fit, level: float) -> list[ShapeEffect]:
     nuisance = parent.jacobian / scale
     precision = nuisance.T @ nuisance + np.diag(1.0 / space.width**2)
     residual = parent.residual / scale
-    best: dict[str, tuple[float, ShapeEffect]] = {}
+    best: dict[tuple[str, float], tuple[float, ShapeEffect]] = {}
     for start, (first, touched) in zip(starts, spans, strict=True):
         change = np.zeros_like(residual)
         for offset, index in enumerate(touched):
@@ -189,21 +228,27 @@ def screen(problem: Problem, parent: Fit, level: float) -> list[ShapeEffect]:
         if start.one_sided() and amount <= 0.0:
             continue
         gain = amount**2 * size / 2.0
-        if gain > _WORTH_FITTING and (start.id not in best or gain > best[start.id][0]):
-            best[start.id] = gain, start.scaled(amount)
+        kind = start.id, getattr(start, "by_tube", 0.0)
+        if gain > _WORTH_FITTING and (kind not in best or gain > best[kind][0]):
+            best[kind] = gain, start.scaled(amount)
     ranked = sorted(best.values(), key=lambda pair: -pair[0])
     return [effect for gain, effect in ranked if gain > _RIVAL_SHARE * ranked[0][0]]
 
 
 def _hypothesis(problem: Problem, fitted: Fit) -> Hypothesis:
-    """Return the fit with its score: likelihood less the log of prior over posterior width, and of tubes to choose from."""
-    size = len(problem.base)
-    widths = np.concatenate([np.ones(0), *(type(effect).widths(problem.scene) for effect in fitted.effects)])
+    """Return the fit with its score: likelihood less the log of prior over posterior width, and of tubes to choose from.
+
+    Base parameters that only these effects set free pay as the effects' own do.
+    """
+    widths = Space(problem, fitted.effects).width
+    paying = np.arange(problem.free, widths.size)
     occam = 0.0
-    if widths.size:
-        covariance = fitted.covariance[size:, size:] / np.outer(widths, widths)
+    if fitted.effects:
+        covariance = (fitted.covariance / np.outer(widths, widths))[np.ix_(paying, paying)]
         occam = max(-0.5 * float(np.linalg.slogdet(covariance)[1]), 0.0)
     chosen = sum(1 for effect in fitted.effects if getattr(effect, "tube", 0.0))
     occam += chosen * float(np.log(max(len(problem.scene.tubes), 1)))
     occam += sum(effect.rarity for effect in fitted.effects)
+    # That tubes differ from what an effect has for all is one more thing to be believed.
+    occam += THRESHOLD * sum(getattr(effect, "by_tube", 0.0) for effect in fitted.effects)
     return Hypothesis(fitted, fitted.log_likelihood - occam)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from coast_cli.diagnosis.shapes.fit import Fit, Space
 from coast_cli.diagnosis.shapes.problem import Problem
 from coast_cli.effects.shapes.effect import ShapeEffect
 from coast_cli.mechanics.section import FloatArray
@@ -37,6 +38,29 @@ def errors_of(
         shape.append(distance[rows[index]])
         tips.append(distance[-1])
     return Errors(_rms(np.concatenate(shape)) / MILLIMETRE, _rms(np.array(tips)) / MILLIMETRE) if shape else Errors(0.0, 0.0)
+
+
+def expected_of(problem: Problem, fitted: Fit, rows: Sequence[NDArray[np.bool_]], noise: float) -> float:
+    """Return the RMS distance, mm, at which a right model is expected from points it was not fitted to.
+
+    Noise of the points (m, along either axis) and, to first order, what fitted parameters leave open; numbers of tubes that
+    no fitted photograph shows are taken as known.
+    """
+    chosen = [index for index, wanted in enumerate(rows) if wanted.any()]
+    space = Space(problem, fitted.effects)
+    vector = space.joined(fitted.coordinates)
+    moved = [vector]
+    root = np.linalg.cholesky(fitted.covariance + 1e-12 * np.diag(space.width**2))
+    moved += [np.clip(vector + step, space.low, space.high) for step in root.T]
+    states = [problem.state(*space.split(one)) for one in moved]
+    lines = problem.forward.lines([(index, state) for state in states for index in chosen])
+    variance = []
+    for place, index in enumerate(chosen):
+        here = lines[place]
+        others = lines[place + len(chosen) :: len(chosen)]
+        spread = sum((other.x[0] - here.x[0]) ** 2 + (other.y[0] - here.y[0]) ** 2 for other in others)
+        variance.append((spread + np.zeros_like(here.x[0]))[rows[index]])
+    return float(np.sqrt(2.0 * noise**2 + np.mean(np.concatenate(variance)))) / MILLIMETRE if chosen else 0.0
 
 
 def _rms(values: FloatArray) -> float:

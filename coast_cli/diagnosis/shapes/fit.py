@@ -54,13 +54,8 @@ class Fit:
 
     @property
     def key(self) -> frozenset[tuple[str, float]]:
-        """What the hypothesis is: effects and the tubes they sit on."""
-        return frozenset(label(effect) for effect in self.effects)
-
-
-def label(effect: ShapeEffect) -> tuple[str, float]:
-    """Return an effect's id and the number of the tube it sits on, 0 for all."""
-    return effect.id, float(getattr(effect, "tube", 0.0))
+        """What the hypothesis is: effects, and what was chosen for them."""
+        return frozenset(effect.variant for effect in self.effects)
 
 
 def fit(
@@ -165,7 +160,7 @@ class Space:
             moved[column] += step
             state = problem.state(*self.split(moved))
             if column < len(problem.base):
-                touched = problem.touched_by_base(column)
+                touched = problem.touched_by_base(column, self.effects)
             else:
                 touched = problem.touched(owner[column - len(problem.base)])
             jobs += [(index, state) for index in touched]

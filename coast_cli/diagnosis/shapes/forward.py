@@ -26,11 +26,15 @@ _CACHED = 512
 
 @dataclass(frozen=True, slots=True)
 class State:
-    """One set of parameters: modulus (Pa) and natural curvature (1/m, towards its own side) by tube number; effects."""
+    """One set of parameters: modulus (Pa) and natural curvature (1/m, towards its own side) by tube number; effects.
+
+    ``spread``: by how much a tube differs from what an effect has for all of them, as a share, by tube number.
+    """
 
     modulus: Mapping[int, float]
     natural: Mapping[int, float]
     effects: tuple[ShapeEffect, ...]
+    spread: Mapping[int, float]
 
 
 Job = tuple[int, State]
@@ -128,7 +132,7 @@ class Forward:
         rigidity, weight, natural, sideways = (np.zeros(layout.length.size) for _ in range(4))
         offset = np.zeros(layout.length.size)
         for place, ((number, tube), own) in enumerate(zip(photograph.tubes, layout.own, strict=True)):
-            pieces = self._tube_pieces(number, tube, state.effects)
+            pieces = self._tube_pieces(number, tube, state)
             stiff = state.modulus[number] * pieces.rigidity[own]
             side = photograph.upward if place == 0 else -photograph.upward
             curved = stiff * side * (state.natural[number] + pieces.natural[own])
@@ -141,10 +145,10 @@ class Forward:
                 offset = photograph.upward * pieces.offset[own]
         return _cells(layout, rigidity, weight, natural / rigidity + loads.held_curvature, sideways / rigidity, offset, loads)
 
-    def _tube_pieces(self, number: int, tube: NotchedTube, effects: tuple[ShapeEffect, ...]) -> Pieces:
+    def _tube_pieces(self, number: int, tube: NotchedTube, state: State) -> Pieces:
         """Return the pieces of a tube of unit modulus without its own natural curvature."""
         acting = tuple(
-            effect for effect in effects
+            effect.spread(state.spread.get(number, 0.0)) for effect in state.effects
             if effect.acts_on(number) and (effect.stage_overridden("geometry") or effect.stage_overridden("pieces"))
         )  # fmt: skip
         key = (number, acting)

@@ -11,14 +11,15 @@ import numpy as np
 from coast_cli.diagnosis.answer import Comparison, Diagnosis, Level, Named, Value, Verdict
 from coast_cli.diagnosis.holdout import HoldOut
 from coast_cli.diagnosis.locate import Region
-from coast_cli.diagnosis.shapes.contest import Contest, Hypothesis, run_contest
-from coast_cli.diagnosis.shapes.errors import UNIT, errors_of
+from coast_cli.diagnosis.shapes.contest import Contest, Hypothesis, run_contest, settle
+from coast_cli.diagnosis.shapes.errors import UNIT, errors_of, expected_of
 from coast_cli.diagnosis.shapes.fit import Fit, fit
 from coast_cli.diagnosis.shapes.holdout import hold_out_photographs
 from coast_cli.diagnosis.shapes.leftover import Leftover, find_leftover, points_noise
 from coast_cli.diagnosis.shapes.locate import locate
-from coast_cli.diagnosis.shapes.problem import Problem, build_problem
+from coast_cli.diagnosis.shapes.problem import END_EFFECT_SPREAD, Problem, build_problem
 from coast_cli.effects.shapes.catalogue import SHAPE_CATALOGUE
+from coast_cli.effects.shapes.effect import TUBE
 from coast_cli.effects.shapes.local_stiffness_defect import LocalStiffnessDefect
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.recordings.noise import NoiseEstimate
@@ -34,6 +35,8 @@ _OF_EXPLAINED = 0.35
 # Base parameters have moved when the refit gains this many nats and changes the fit by this share of the noise.
 _PARAMETERS_GAIN = 6.0
 _PARAMETERS_SIZE = 0.35
+# What was held out may be missed by so many times what noise and the uncertainty of the fit let expect.
+_AS_EXPECTED = 1.5
 _FEWEST_POINTS = 10
 _FIRST_LEVEL = 1e-4  # m, before any noise is known
 _HIDDEN_IN_MODULUS = ("notch_end_effect", "chord_section", "notch_depth_error", "gravity")
@@ -55,13 +58,15 @@ def diagnose_shapes(
     whole = build_problem(config, runs)
     kept_back = hold_out_photographs(whole.photographs, named_hold_out)
     problem = whole.with_train([~rows for rows in kept_back.rows])
-    if problem.size < max(_FEWEST_POINTS, 3 * len(problem.base)):
+    if problem.size < max(_FEWEST_POINTS, 3 * problem.free):
         reason = f"only {problem.size} points can be fitted"
         return Diagnosis("insufficient", reason, 0.0, UNIT, next_recording=_next_photograph(problem))
     shown = whole if kept_back.chosen else problem
     estimate = points_noise(shown, fit(shown, level=_FIRST_LEVEL))
     floor = max(estimate.level * float(np.exp(min(estimate.log_level_std, 0.5))), 1e-9)
     contest = run_contest(problem, floor, most_effects)
+    if kept_back.chosen:
+        contest = settle(contest, problem, whole, floor)
     return _Judge(problem, kept_back, contest, floor, estimate).diagnosis()
 
 
@@ -83,8 +88,7 @@ class _Judge:
         noise = min(self.floor, leading.fit.rmse)
         unexplained = leftover.size > _OF_NOISE * noise and leftover.size > _OF_EXPLAINED * explained
         comparison = self._comparison(leading.fit)
-        held = comparison.refitted.held_out, comparison.with_effects.held_out
-        if leading.ids and held[0] is not None and held[1] is not None and held[1] >= held[0]:
+        if leading.ids and not self._holds(comparison):
             unexplained = True
         rivals = contest.alternatives()
         verdict = self._verdict(rivals, unexplained=unexplained)
@@ -100,13 +104,21 @@ class _Judge:
             alternatives=self._alternatives(verdict, rivals),
             attempts=leading.ids if unexplained else (),
             parameters=_base_values(problem, final),
-            configured={parameter.key: parameter.value for parameter in problem.base},
+            configured={parameter.key: parameter.value for parameter in problem.base[: problem.free]},
             comparison=comparison,
             next_recording=self._next_recording(verdict),
-            notes=self._notes(verdict),
-            model_effects=final.effects,
+            notes=(*self._notes(verdict), *_spread_note(problem, final)),
+            model_effects=tuple(effect for effect in final.effects if not effect.of_stock),
             model_parameters=problem.values(final.coordinates),
+            model_tubes=problem.corrected_tubes(final.coordinates, final.effects),
         )
+
+    def _holds(self, comparison: Comparison) -> bool:
+        """Return whether the effects predict what was held out better than without them, or as well as can be expected."""
+        before, after = comparison.refitted.held_out, comparison.with_effects.held_out
+        if before is None or after is None or after < before:
+            return True
+        return after < _AS_EXPECTED * expected_of(self.problem, self.contest.leading.fit, self.kept_back.rows, self.floor)
 
     def _verdict(self, rivals: Sequence[Hypothesis], *, unexplained: bool) -> Verdict:
         if unexplained:
@@ -124,7 +136,7 @@ class _Judge:
         problem, base = self.problem, self.contest.base.fit
         before = problem.residual(problem.configured())
         gain = base.log_likelihood - problem.bank.evidence(before).log_likelihood
-        gain -= 0.5 * len(problem.base) * float(np.log(problem.size))
+        gain -= 0.5 * problem.free * float(np.log(problem.size))
         size = float(np.sqrt(np.mean((before - base.residual) ** 2))) / base.evidence.level
         return bool(gain > _PARAMETERS_GAIN and size > _PARAMETERS_SIZE)
 
@@ -163,7 +175,7 @@ class _Judge:
         cost = {}
         for effect in leading.fit.effects:
             rest = tuple(other for other in leading.fit.effects if other is not effect)
-            key = leading.fit.key - {(effect.id, float(getattr(effect, "tube", 0.0)))}
+            key = leading.fit.key - {effect.variant}
             cost[effect.id] = tried.get(key) or fit(
                 self.problem, rest, leading.fit.coordinates, level=self.floor, steps=6, polish=False
             ).rmse
@@ -183,7 +195,7 @@ class _Judge:
                 std *= value if parameter.name in effect.logarithmic else 1.0
                 values[parameter.name] = Value(value, std, final.at_bound[place])
                 place += 1
-            if len(values) < len(effect.parameters):
+            if TUBE in effect.parameters:
                 values["tube"] = Value(float(getattr(effect, "tube", 0.0)), 0.0, at_bound=False)
             names[effect.id] = Named(effect.id, effect.kind, effect.component, effect.title, effect.equation,
                                      confidence, values)  # fmt: skip
@@ -202,7 +214,7 @@ class _Judge:
                 place = Region("arc_length", None, effect.arc_length_mm - half, effect.arc_length_mm + half, share, p_value)
                 regions = [place, *(region for region in regions if region.axis != "arc_length")]
             if tube and len(self.problem.scene.tubes) > 1:
-                name = self.problem.names[tube]
+                name = self.problem.scene.tubes[tube]
                 regions = [r for r in regions if r.axis != "pair"] + [Region("pair", name, None, None, share, p_value)]
         return tuple(regions)
 
@@ -277,6 +289,16 @@ class _Judge:
         return tuple(notes)
 
 
+def _spread_note(problem: Problem, final: Fit) -> list[str]:
+    """Say by how much the end effect of each tube was found to differ from the table."""
+    if not any(getattr(effect, "by_tube", 0.0) for effect in final.effects):
+        return []
+    found = problem.spreads(final.coordinates)
+    parts = ", ".join(f"{problem.scene.tubes[n]} {100.0 * share:+.0f} %" for n, share in found.items() if abs(share) > 0.01)
+    allowed = f"{100.0 * END_EFFECT_SPREAD:.0f} %"
+    return [f"the end effect of a tube may differ from its table by {allowed}, one standard deviation: {parts}"] if parts else []
+
+
 def _one_way_up(problem: Problem) -> list[str]:
     """Return the tubes and pairs that were not photographed both ways up."""
     sides: dict[str, set[float]] = {}
@@ -298,7 +320,7 @@ def _next_photograph(problem: Problem) -> str:
 
 def _base_values(problem: Problem, fitted: Fit) -> dict[str, Value]:
     found = {}
-    for place, parameter in enumerate(problem.base):
+    for place, parameter in enumerate(problem.base[: problem.free]):
         value = problem.values(fitted.coordinates)[parameter.key]
         spread = float(np.sqrt(max(fitted.covariance[place, place], 0.0)))
         found[parameter.key] = Value(value, value * spread if parameter.logarithmic else spread, fitted.at_bound[place])

@@ -1,7 +1,8 @@
 """What is fitted to what: photographs, the base model's free parameters, and the residuals between them.
 
 Free are the modulus of every material and the natural curvature of every tube that was photographed alone; a pair shows only
-the rigidity-weighted mean of two natural curvatures, so those stay as configured. Nothing else moves.
+the rigidity-weighted mean of two natural curvatures, so those stay as configured. Where a notch end effect takes part,
+each tube's may differ from the table by ``END_EFFECT_SPREAD``. Nothing else moves.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,10 +19,11 @@ from numpy.typing import NDArray
 from coast_cli.diagnosis.likelihood import NoiseBank
 from coast_cli.diagnosis.shapes.forward import Forward, Job, State, misfit
 from coast_cli.diagnosis.shapes.photograph import Photograph, photographs, usual_sign
-from coast_cli.effects.shapes.catalogue import build_shape_effects
+from coast_cli.effects.shapes.catalogue import build_shape_effects, in_order
 from coast_cli.effects.shapes.effect import Scene, ShapeEffect
 from coast_cli.mechanics.section import FloatArray
-from coast_cli.units import GIGAPASCAL
+from coast_cli.mechanics.tube import NotchedTube
+from coast_cli.units import GIGAPASCAL, MILLIMETRE
 
 if TYPE_CHECKING:
     from coast_cli.recordings.model import ShapeRun
@@ -34,13 +36,18 @@ _CURVATURE_PRIOR = 0.5  # of the configured value, and at least ...
 _CURVATURE_TURN = 0.3  # ... this turn of the whole tube, rad
 
 
+# Standard deviation, from tube to tube, of the end effect about the table of sharp-cornered periodic cells: tubes solved
+# whole as 3-D solids need 1.00 to 1.10 of their cells' (examples/solid), and the corners of a laser's cut are round.
+END_EFFECT_SPREAD = 0.06
+
+
 @dataclass(frozen=True, slots=True)
 class BaseParameter:
     """A free number of the base model by its key in the file; fitted as a logarithm where it is a modulus.
 
     Attributes:
         key: dotted, e.g. ``materials.nitinol.youngs_modulus_gpa``. value: configured. prior: standard deviation.
-        tubes: numbers of the tubes it belongs to.
+        tubes: numbers of the tubes it belongs to. quantity: a spread is that of a tube's end effect, and no key of a file.
     """
 
     key: str
@@ -49,7 +56,12 @@ class BaseParameter:
     high: float
     prior: float
     tubes: tuple[int, ...]
-    logarithmic: bool
+    quantity: Literal["modulus", "curvature", "spread"]
+
+    @property
+    def logarithmic(self) -> bool:
+        """Whether the fit moves the logarithm."""
+        return self.quantity == "modulus"
 
 
 @dataclass(frozen=True)
@@ -58,7 +70,8 @@ class Problem:
 
     Attributes:
         forward: the model. calibratable: numbers that photographs can free. train: which points of each are fitted, (n,).
-        numbers: natural curvature (towards its own side, 1/m) and modulus (Pa) as configured, by tube number.
+        modulus, natural: Pa, and natural curvature towards its own side, 1/m, as configured, by tube number.
+        stock: every tube of the configuration, photographed or not, by its number, with its table there.
         fixed_effects: corrections that the configuration already carries.
     """
 
@@ -67,7 +80,7 @@ class Problem:
     train: tuple[Booleans, ...]
     modulus: Mapping[int, float]
     natural: Mapping[int, float]
-    names: Mapping[int, str]
+    stock: Mapping[int, tuple[str, NotchedTube]]
     fixed_effects: tuple[ShapeEffect, ...]
 
     @property
@@ -81,6 +94,11 @@ class Problem:
         pairs = zip(self.photographs, self.train, strict=True)
         fitted = {number for photograph, train in pairs if train.any() for number, _ in photograph.tubes}
         return tuple(parameter for parameter in self.calibratable if fitted & set(parameter.tubes))
+
+    @property
+    def free(self) -> int:
+        """How many of them the base model has by itself."""
+        return sum(parameter.quantity != "spread" for parameter in self.base)
 
     @cached_property
     def scene(self) -> Scene:
@@ -146,18 +164,55 @@ class Problem:
     def values(self, coordinates: FloatArray) -> dict[str, float]:
         """Return the base parameters by key, in the unit of the file."""
         pairs = zip(self.base, coordinates.tolist(), strict=True)
-        return {p.key: float(np.exp(c)) if p.logarithmic else c for p, c in pairs}
+        return {p.key: float(np.exp(c)) if p.logarithmic else c for p, c in pairs if p.quantity != "spread"}
+
+    def spreads(self, coordinates: FloatArray) -> dict[int, float]:
+        """Return by tube number by how much its end effect differs from the table's, as a share of it."""
+        pairs = zip(self.base, coordinates.tolist(), strict=True)
+        return {p.tubes[0]: c for p, c in pairs if p.quantity == "spread"}
+
+    def corrected_tubes(self, coordinates: FloatArray, effects: Sequence[ShapeEffect]) -> dict[str, float | list[float]]:
+        """Return what effects change in the tubes as numbers of the configuration, by key: depths, and extra cut lengths.
+
+        Effects that are ``of_stock`` are in these numbers; the others are not.
+        """
+        spread, found = self.spreads(coordinates), {}
+        for number, (key, tube) in self.stock.items():
+            whole = rest = tube
+            for effect in in_order((*self.fixed_effects, *effects)):
+                if effect.acts_on(number):
+                    whole = effect.spread(spread.get(number, 0.0)).geometry(whole)
+                    stays = effect in self.fixed_effects or not effect.of_stock
+                    rest = effect.geometry(rest) if stays else rest
+            if np.any(whole.depth != rest.depth):
+                found[f"{key}.depth_mm"] = _number((tube.depth + whole.depth - rest.depth) / MILLIMETRE)
+            # What is left to corrections multiplies the length that bends.
+            factor = (rest.cut + rest.end_length) / (tube.cut + tube.end_length)
+            extra = (whole.cut + whole.end_length) / factor - tube.cut
+            if np.any(np.abs(extra - tube.end_length) > 1e-9 * tube.cut):
+                found[f"{key}.end_effect"] = _number(np.maximum(extra, 0.0) / MILLIMETRE)
+        return found
+
+    @property
+    def carried(self) -> set[str]:
+        """Effects that the configuration already has, in its corrections or in the tubes themselves."""
+        found = {effect.id for effect in self.fixed_effects}
+        if any(np.any(np.asarray(tube.end_length) > 0.0) for _, tube in self.stock.values()):
+            found.add("notch_end_effect")
+        return found
 
     def state(self, coordinates: FloatArray, effects: Sequence[ShapeEffect]) -> State:
         """Return one set of parameters."""
-        modulus, natural = dict(self.modulus), dict(self.natural)
+        modulus, natural, spread = dict(self.modulus), dict(self.natural), {}
         for parameter, value in zip(self.base, coordinates.tolist(), strict=True):
             for tube in parameter.tubes:
-                if parameter.logarithmic:
+                if parameter.quantity == "modulus":
                     modulus[tube] = float(np.exp(value)) * GIGAPASCAL
-                else:
+                elif parameter.quantity == "curvature":
                     natural[tube] = value
-        return State(modulus, natural, (*self.fixed_effects, *effects))
+                else:
+                    spread[tube] = value
+        return State(modulus, natural, (*self.fixed_effects, *effects), spread)
 
     def residuals(self, jobs: Sequence[Job]) -> list[FloatArray]:
         """Return the fitted residuals of each job's photograph, observed less model, m."""
@@ -181,8 +236,10 @@ class Problem:
             and any(effect.acts_on(number) for number, _ in photograph.tubes)
         ]  # fmt: skip
 
-    def touched_by_base(self, place: int) -> list[int]:
-        """Return the photographs that a base parameter changes."""
+    def touched_by_base(self, place: int, effects: Sequence[ShapeEffect]) -> list[int]:
+        """Return the photographs that a base parameter changes, where these effects take part."""
+        if self.base[place].quantity == "spread" and not any(getattr(effect, "by_tube", 0.0) for effect in effects):
+            return []
         tubes = set(self.base[place].tubes)
         return [i for i, p in enumerate(self.photographs) if tubes & {number for number, _ in p.tubes}]
 
@@ -207,11 +264,18 @@ def build_problem(config: Config, runs: Sequence[ShapeRun]) -> Problem:
     alone = {photograph.tubes[0][0] for photograph in taken if not photograph.is_pair}
     return Problem(
         forward=Forward(taken, design.gravity),
-        calibratable=(*_moduli(config, seen), *_curvatures(config, alone, natural, {n: t.length for n, t in tubes.items()})),
+        calibratable=(
+            *_moduli(config, seen),
+            *_curvatures(config, alone, natural, {n: t.length for n, t in tubes.items()}),
+            *_spreads({number: tubes[number].name for number in sorted(alone)}),
+        ),
         train=tuple(np.ones(len(run), dtype=bool) for run in runs),
         modulus={number: tube.youngs_modulus for number, tube in tubes.items()},
         natural=natural,
-        names={number: tube.name for number, tube in tubes.items()},
+        stock={
+            number: (f"{'outer' if number <= len(design.outer) else 'middle'}.samples.{tube.name}", tube)
+            for number, tube in tubes.items()
+        },
         fixed_effects=build_shape_effects(config.corrections),
     )
 
@@ -230,10 +294,10 @@ def _moduli(config: Config, seen: set[int]) -> list[BaseParameter]:
         key = f"materials.{name}.youngs_modulus_gpa"
         if isinstance(given, Calibrated):
             prior = max(float(np.log(given.max / given.min)) / 4.0, 1e-9)
-            found.append(BaseParameter(key, given.value, given.min, given.max, prior, tuple(numbers), logarithmic=True))
+            found.append(BaseParameter(key, given.value, given.min, given.max, prior, tuple(numbers), "modulus"))
         else:
             low, high = max(given / _MODULUS_RANGE, 0.001), min(given * _MODULUS_RANGE, 1e4)
-            found.append(BaseParameter(key, given, low, high, _MODULUS_PRIOR, tuple(numbers), logarithmic=True))
+            found.append(BaseParameter(key, given, low, high, _MODULUS_PRIOR, tuple(numbers), "modulus"))
     return found
 
 
@@ -251,5 +315,20 @@ def _curvatures(
         reach = 8.0 * prior + abs(value)
         low, high = max(value - reach, -1000.0), min(value + reach, 1000.0)
         key = f"{role}.samples.{name}.natural_curvature_per_m"
-        found.append(BaseParameter(key, value, low, high, prior, (number,), logarithmic=False))
+        found.append(BaseParameter(key, value, low, high, prior, (number,), "curvature"))
     return found
+
+
+def _number(values: FloatArray) -> float | list[float]:
+    """Return one number where all notches have the same, else a list, one for each."""
+    listed: list[float] = np.atleast_1d(values).tolist()
+    return listed[0] if len(set(listed)) == 1 else listed
+
+
+def _spreads(alone: Mapping[int, str]) -> list[BaseParameter]:
+    """Return the spread of each tube's end effect; by one tube alone it is a part of the effect itself."""
+    most = 2.0 * END_EFFECT_SPREAD
+    return [
+        BaseParameter(f"{name}.end_effect_spread", 0.0, -most, most, END_EFFECT_SPREAD, (number,), "spread")
+        for number, name in alone.items() if len(alone) > 1
+    ]  # fmt: skip

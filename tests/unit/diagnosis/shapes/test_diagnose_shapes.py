@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from coast_cli.diagnosis.shapes import diagnose_shapes
 from coast_cli.recordings.read import read_recordings
-from coast_cli.spec.load import load_config_text
+from coast_cli.spec.load import load_config, load_config_text
 from tests.photographed_tube import LENGTH, Bench, config_text, csv_text
 
 TUBES = {"A": (0.314, 4.0), "B": (0.336, 4.0), "C": (0.280, 4.0)}
 NOISE = 30e-6
+SOLID = Path(__file__).parents[3] / "validation" / "data" / "solid"
 
 
 def _bench(tube: str, **changes: float) -> Bench:
@@ -133,6 +135,24 @@ def test_a_corrected_model_agrees_with_what_corrected_it(tmp_path):
     assert after < 0.25 * before
     again = diagnose_shapes(corrected, recordings.shape.runs)
     assert again.verdict in ("agrees", "parameters")
+
+
+@pytest.mark.parametrize("kind", ["radial", "flat"])
+def test_what_is_found_in_the_tubes_is_saved_as_numbers_of_the_tubes(kind):
+    """Extra cut lengths of every tube, seen or not; so a joint of these tubes has them too."""
+    from coast_cli.diagnosis.compare import compare
+    from coast_cli.diagnosis.model_file import model_text
+
+    config = load_config(SOLID / "tubes.toml")
+    recordings = read_recordings([SOLID / f"{kind}.csv", SOLID / f"{kind}_held_out.csv"], config)
+    named = [run.name for run in recordings.shape.runs if run.source.endswith("_held_out.csv")]
+    found = diagnose_shapes(config, recordings.shape.runs, named_hold_out=named)
+    corrected = load_config_text(model_text(config, found, recordings), "model.toml")
+    assert "notch_end_effect" not in corrected.corrections
+    assert all(sample.end_effect > 0.05 for sample in corrected.middle.samples)
+    after = {row["run"]: row["rmse_shape_mm"] for row in compare(corrected, recordings).rows()}
+    held = np.sqrt(np.mean([after[name] ** 2 for name in named]))
+    assert held == pytest.approx(found.comparison.with_effects.held_out, rel=0.02)
 
 
 def test_too_few_points_are_said_to_be(tmp_path):
