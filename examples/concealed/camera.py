@@ -28,7 +28,7 @@ def observe(
     weight: float,
     length: Array,
     time: Array,
-    nominal_length: float,
+    simulated: float,
     kind: str,
     effects: Effects,
 ) -> Array:
@@ -36,11 +36,11 @@ def observe(
     if kind == "curvature":
         seen = circle_curvature(theta, weight, length)[:, None]
         if "wire_pull_coupling" in effects:
-            # The camera takes the segment for as long as the stage says.
-            seen = seen * (length / nominal_length)[:, None]
+            # The camera takes the segment for as long as it was before the wire pulled.
+            seen = seen * (length / simulated)[:, None]
     elif kind == "bend":
-        # The base bend is curvature times length; a segment longer than it is told bends more.
-        seen = np.degrees(theta.sum(axis=1) * weight * length / nominal_length)[:, None]
+        # Bend is curvature times length; a segment that the wire pulls longer bends more.
+        seen = np.degrees(theta.sum(axis=1) * weight * length / simulated)[:, None]
     else:
         seen = np.degrees(theta)
     if lag := effects.get("sensor_lag"):

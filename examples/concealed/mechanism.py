@@ -10,7 +10,7 @@ absent leaves its stage the identity.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -22,13 +22,16 @@ TOLERANCE_M = 3e-10
 
 @dataclass
 class Trace:
-    """What happened at every simulated time of one run: actuator tension (N), notch bends (rad), segment length (m)."""
+    """What happened at every simulated time of one run: actuator tension (N), notch bends (rad), segment length (m).
+
+    `simulated` is the length (m) whose notches were bent; `length` leaves it where a wire pulls.
+    """
 
     tension: Array
     theta: Array
     weight: float
     length: Array
-    extra: dict[str, Array] = field(default_factory=dict)
+    simulated: float
 
 
 def play(x: Array, width: float) -> Array:
@@ -211,6 +214,8 @@ def simulate(
     density: float = 6450.0,
 ) -> Trace:
     """Run a joint through `drive` (stroke in m, or actuator tension in N for a joint without tendon) at `time` (s)."""
+    # The segment is as long as the inner tube leaves it, whatever the stage says.
+    length = length + effects.get("bending_length_offset", {}).get("offset_mm", 0.0) * 1e-3
     line = Line(joint, length, effects, rng, largest, density)
     segment = line.segment
     by_tension = joint.tendon_radius == 0
@@ -247,8 +252,7 @@ def simulate(
         tensions[k], thetas[k] = line.commit()
         if "wire_pull_coupling" in effects:
             lengths[k] = length - effects["wire_pull_coupling"]["pull_mm_per_n"] * 1e-3 * tensions[k]
-    lengths = lengths + effects.get("bending_length_offset", {}).get("offset_mm", 0.0) * 1e-3
-    return Trace(tensions[lead:], thetas[lead:], segment.weight, lengths[lead:])
+    return Trace(tensions[lead:], thetas[lead:], segment.weight, lengths[lead:], length)
 
 
 def _drive_tension(line: Line, tension: float) -> None:

@@ -243,7 +243,7 @@ JOINT_EFFECTS: dict[str, Recipe] = {
     "bending_length_offset": Recipe(
         "inner tube",
         "physics",
-        lambda p: p.response == "bend" and p.lengths >= 3,
+        lambda p: p.lengths >= 3,
         lambda g, _c: {"offset_mm": _sign(g) * g.uniform(0.3, 3.0)},
         "offset_mm",
         (0.05, 5.0),

@@ -80,7 +80,7 @@ def play_protocol(
                 joint, plan.length, drive, plan.time, effects, notch_rng, largest=curvature, density=actual.density
             )
             response = observe(
-                trace.theta, trace.weight, trace.length, plan.time, plan.length, protocol.response, effects
+                trace.theta, trace.weight, trace.length, plan.time, trace.simulated, protocol.response, effects
             )
             tension = trace.tension
             response, tension = response[plan.recorded], tension[plan.recorded]
