@@ -337,17 +337,16 @@ def _excess(fitted: Fit, floor: float, structure: Structure, margin: float) -> f
 
 
 def _vanished(final: Fit, base_count: int) -> set[str]:
-    """Return the effects of the final fit whose every size is nothing within its own error."""
+    """Return the effects of the final fit whose sizes, taken together, are nothing within their own error."""
     found, place = set(), base_count
     for effect in final.effects:
-        sizes = []
-        for parameter in effect.parameters:
-            std = float(np.sqrt(max(final.covariance[place, place], 0.0)))
-            if parameter.role == "size":
-                sizes.append(abs(getattr(effect, parameter.name) - parameter.null) <= std)
-            place += 1
-        if sizes and all(sizes):
+        sizes = [index for index, parameter in enumerate(effect.parameters) if parameter.role == "size"]
+        away = np.array([getattr(effect, effect.parameters[i].name) - effect.parameters[i].null for i in sizes])
+        chosen = place + np.array(sizes, dtype=np.int64)
+        known = np.linalg.pinv(final.covariance[np.ix_(chosen, chosen)], hermitian=True)
+        if float(away @ known @ away) <= len(sizes):
             found.add(effect.id)
+        place += len(effect.parameters)
     return found
 
 

@@ -414,7 +414,8 @@ def _screened(
     columns: Sequence[FloatArray], drives: Sequence[FloatArray], fitted: Sequence[bool]
 ) -> tuple[list[Booleans], float]:
     """Return which samples count (finite, and no lone outlier) and the rough noise level of the runs that are fitted."""
-    level = _difference_level([values for values, use in zip(columns, fitted, strict=True) if use] or columns)
+    seen = [pair for pair, use in zip(zip(columns, drives, strict=True), fitted, strict=True) if use]
+    level = _difference_level(seen or list(zip(columns, drives, strict=True)))
     usable = []
     for values, drive in zip(columns, drives, strict=True):
         good = np.isfinite(values)
@@ -425,7 +426,8 @@ def _screened(
             series, behind = values[rows, column], drive[rows]
             moved = float(np.ptp(series)) / max(float(np.ptp(behind)), 1e-300) * _alone(behind)
             spread = float(np.median(np.abs(np.diff(series))))
-            good[rows[_alone(series) > 7.0 * level + 0.5 * spread + 2.0 * moved], column] = False
+            lonely = np.minimum(_alone(series), _beside(series, behind))
+            good[rows[lonely > 7.0 * level + 0.5 * spread + 2.0 * moved], column] = False
         usable.append(good)
     return usable, level
 
@@ -440,17 +442,35 @@ def _alone(series: FloatArray) -> FloatArray:
     return np.asarray(np.minimum(inside, np.minimum(before, after)))
 
 
-def _difference_level(columns: Sequence[FloatArray]) -> float:
-    differences = []
-    for values in columns:
+def _beside(series: FloatArray, drive: FloatArray) -> FloatArray:
+    """Return how far each sample (n,) lies from the line of its neighbours over the drive, at unit noise; inf at turns."""
+    before, here, after = drive[:-2], drive[1:-1], drive[2:]
+    span = after - before
+    held = np.abs(span) <= 1e-12 * max(float(np.ptp(drive)), 1e-300)
+    part = np.where(held, 0.5, (here - before) / np.where(held, 1.0, span))
+    off = np.abs(series[1:-1] - series[:-2] - part * (series[2:] - series[:-2])) / np.sqrt(1.0 + part**2 + (1.0 - part) ** 2)
+    found = np.full(series.size, np.inf)
+    found[1:-1] = np.where((part < 0.0) | (part > 1.0), np.inf, off)
+    return found
+
+
+def _difference_level(columns: Sequence[tuple[FloatArray, FloatArray]]) -> float:
+    """Return the noise that neighbours show, whether the response runs evenly with the sample or with the drive."""
+    differences, beside = [], []
+    for values, drive in columns:
         for column in range(values.shape[1]):
-            series = values[np.isfinite(values[:, column]), column]
+            good = np.isfinite(values[:, column])
+            series = values[good, column]
             if series.size >= 3:
                 differences.append(np.abs(np.diff(series, 2)))
+                beside.append(_beside(series, drive[good])[1:-1])
     if not differences:
         return 1e-9
-    spread = np.concatenate(differences)
+    spread, over_drive = np.concatenate(differences), np.concatenate(beside)
     level = float(np.median(spread) / 0.6745 / np.sqrt(6.0))
+    straight = over_drive[np.isfinite(over_drive)]
+    if straight.size > 0.5 * spread.size:
+        level = min(level, float(np.median(straight) / 0.6745))
     if level <= 0.0:  # most neighbours read the same: the readings are coarse, and their steps are the noise
         level = float(np.mean(spread) / np.sqrt(6.0))
     return max(level, 1e-9)
