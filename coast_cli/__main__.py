@@ -11,32 +11,35 @@ import os
 import sys
 import warnings
 from collections.abc import Sequence
+from pathlib import Path
 
 from coast_cli.errors import CoastError, printable
 
-INTERRUPTED = 130
 INTERNAL = 4
 _HELP = "Try `coast --help`, or --help after a command"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command line and return its exit code; ``arguments`` stand for ``sys.argv[1:]``."""
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:  # closed by the caller
+            setattr(sys, name, Path(os.devnull).open("w", encoding="utf-8"))  # noqa: SIM115  # open to the end
     # Imports make many objects that live to the end; looking for garbage among them is a twentieth of the start.
     gc.set_threshold(50_000, 20, 20)
     # Matrices here are small: threads of the linear algebra cost more than they give, five times on a busy machine.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    from coast_cli.cli.app import run
-
     if arguments is None:
         if not sys.warnoptions:
             # An overflow is refused by its result, in a sentence; numpy's own words would stand before it.
             warnings.simplefilter("ignore", RuntimeWarning)
         arguments = sys.argv[1:]
     try:
+        from coast_cli.cli.app import run
+
         return run(list(arguments))
     except KeyboardInterrupt:
         sys.stderr.write("coast: interrupted.\n")
-        return INTERRUPTED
+        return 130
     except Exception as error:  # noqa: BLE001  # the one place that catches everything
         text, code = _explain(error)
         sys.stderr.write(f"coast: {printable(text)}\n")
@@ -57,7 +60,6 @@ def _explain(error: Exception) -> tuple[str, int]:
 
 def _last_line(error: Exception) -> str:
     """Return the module and line that raised, which a report needs and a traceback would bury."""
-    from pathlib import Path
     from traceback import extract_tb
 
     frames = [frame for frame in extract_tb(error.__traceback__) if "coast_cli" in frame.filename]

@@ -11,6 +11,7 @@ import typer
 from coast_cli import __version__
 from coast_cli.errors import UsageError, nearest
 
+INTERRUPTED = 130
 # Each command and where its function is; `coast --help` loads them all, so their modules import nothing heavy.
 COMMANDS = {
     "rank-pairs": "coast_cli.cli.rank_pairs:rank_pairs",
@@ -42,12 +43,15 @@ def run(arguments: list[str]) -> int:
     Raises:
         CoastError: what the command refuses, or that there is no such command.
         typer.exceptions.TyperException: what typer refuses of the command line.
+        KeyboardInterrupt: interrupted by the user.
     """
     asked = next((word for word in arguments if not word.startswith("-")), None)
     if asked is not None and asked not in COMMANDS:
         raise UsageError(f"there is no command {asked!r}. {_like(asked)} `coast --help` lists them.".replace("  ", " "))
     known = [asked] if asked in COMMANDS else list(COMMANDS)
     code = _app(known)(args=arguments, standalone_mode=False)
+    if code == INTERRUPTED:  # typer makes this of an interrupt, without a word
+        raise KeyboardInterrupt
     return code if isinstance(code, int) else 0
 
 

@@ -46,13 +46,31 @@ class CsvStream:
         self.part, self.note = (path.with_name(f"{path.name}.part{suffix}") for suffix in ("", ".npz"))
         self.blocks, self.state = 0, dict[str, Any]()
         try:
+            self._stream: IO[str] = self.part.open("a", encoding="utf-8", newline="")
+            self._lock()
             size = self._resume()
-            self._stream: IO[str] = self.part.open("a" if size else "w", encoding="utf-8", newline="")
+            os.truncate(self.part, size)
+            self._stream.seek(size)
         except OSError as error:
             raise UsageError(f"{path}: cannot be written ({error.strerror or error}).") from None
 
+    def _lock(self) -> None:
+        """Keep other runs off the file until this one ends; what gives no locks (Windows) has to do without."""
+        try:
+            import fcntl
+        except ImportError:
+            return
+        try:
+            fcntl.flock(self._stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            taken = not os.path.samestat(os.fstat(self._stream.fileno()), self.part.stat())
+        except (BlockingIOError, FileNotFoundError):  # the other run may have finished the file in between
+            taken = True
+        if taken:
+            self._stream.close()
+            raise UsageError(f"{self.path}: another run is writing this file; wait for it, or give another name.")
+
     def _resume(self) -> int:
-        """Return how many bytes of an earlier run count, and cut off what came after them."""
+        """Return how many bytes of an earlier run count."""
         try:
             with np.load(self.note, allow_pickle=False) as saved:
                 state = dict(saved)
@@ -61,7 +79,6 @@ class CsvStream:
             return 0
         if note.get("identity") != self.identity or not self.part.is_file() or self.part.stat().st_size < note["bytes"]:
             return 0
-        os.truncate(self.part, note["bytes"])
         self.blocks, self.state = note["blocks"], state
         return int(note["bytes"])
 
