@@ -150,8 +150,7 @@ def _refined(contrast: Image, way: Floats, radius: float, *, rounds: int) -> tup
         if sections.at_border.mean() > 0.3:
             raise _cut_off("the tube runs along the border of the image, partly outside")
         if full.sum() < 24:
-            message = "too few sections of the tube have both edges"
-            raise BadFrame("no-tube", message, hint="Light the ground evenly and shade the glare.")
+            raise _no_edges()
         first, last = _ends(sections)
         curve = fit_curve(sections.s[full], sections.x[full], sections.y[full], first, last)
     return curve, cross_sections(contrast, curve, radius, extend=extend)
@@ -162,7 +161,14 @@ def _ends(sections: Sections) -> tuple[float, float]:
     with np.errstate(invalid="ignore"):
         there = (sections.inside > 0.4) & (sections.left - sections.right < 1.25 * sections.width)
     index = np.flatnonzero(there)
+    if index.size == 0:
+        raise _no_edges()
     return float(sections.s[index[0]]), float(sections.s[index[-1]])
+
+
+def _no_edges() -> BadFrame:
+    message = "too few sections of the tube have both edges"
+    return BadFrame("no-tube", message, hint="Light the ground evenly and shade the glare.")
 
 
 def _borders(sections: Sections, first: float, last: float) -> tuple[bool, bool]:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from PIL.Image import Image
 
-LARGEST = 100_000_000  # pixels; more is no camera frame
+LARGEST = 50_000_000  # pixels; tracing takes about fifty bytes for each
 
 
 class BadFrame(BadInput):
@@ -47,7 +47,7 @@ def read_grey(path: Path) -> NDArray[np.float32]:
     Transparent pixels are laid on white. Levels are those of the file: 0 to 255, or 0 to 65535 of a 16-bit image.
 
     Raises:
-        BadInput: the file is missing, no image, several frames in one, or larger than 100 megapixels.
+        BadInput: the file is missing, no image, several frames in one, or larger than `LARGEST`.
     """
     import warnings
 
@@ -66,7 +66,7 @@ def read_grey(path: Path) -> NDArray[np.float32]:
     except BadInput:
         raise
     except Exception as error:  # a damaged file makes a decoder raise anything
-        known = "PNG, TIFF, JPEG or another file that Pillow reads, at most 100 megapixels"
+        known = f"PNG, TIFF, JPEG or another file that Pillow reads, at most {LARGEST // 10**6} megapixels"
         raise BadInput("cannot be read as an image", file=path, allowed=known) from error
     if not np.isfinite(levels).all():
         raise BadInput("some pixels are not finite numbers", file=path)
@@ -77,7 +77,7 @@ def _check_size(picture: Image, path: Path) -> None:
     columns, rows = picture.size
     size = f"{columns} x {rows} pixels"
     if columns * rows > LARGEST:
-        raise BadInput("the image is too large", file=path, found=size, allowed="100 megapixels", hint="Crop it.")
+        raise BadInput("the image is too large", file=path, found=size, allowed=f"{LARGEST // 10**6} megapixels", hint="Crop it.")
     if min(columns, rows) < 32:
         raise BadInput("the image is too small to show a tube", file=path, found=size, allowed="32 x 32 or more")
     frames = getattr(picture, "n_frames", 1)
