@@ -74,8 +74,9 @@ def plot_shapes(columns: Mapping[str, Any]) -> Picture:
     """Draw the shapes of tubes under gravity, both axes to one scale."""
     names, x, y = (np.asarray(columns[key]) for key in ("tube", "x_mm", "y_mm"))
     tubes = list(dict.fromkeys(names.tolist()))
-    wide, high = np.ptp(x), np.ptp(y)
-    height = float(np.clip(5.0 * high / wide + 0.9, 1.8, 8.0)) if wide > 0.0 else 8.0
+    wide = float(np.ptp(x))
+    high = max(1.1 * float(np.ptp(y)), 0.2 * wide)  # a tube that hardly sags is drawn as one
+    height = min(5.0 * high / wide + 0.9, 8.0) if wide > 0.0 else 8.0
 
     def paint(figure: Any) -> None:  # noqa: ANN401
         axes = figure.subplots()
@@ -86,6 +87,8 @@ def plot_shapes(columns: Mapping[str, Any]) -> Picture:
                 short(tube), (x[rows][-1], y[rows][-1]), xytext=(4, 0), textcoords="offset points", color=colour, va="center"
             )
         axes.set_aspect("equal", adjustable="box")
+        middle = 0.5 * float(y.min() + y.max())
+        axes.set_ylim(middle - 0.5 * high, middle + 0.5 * high)
         axes.set(xlabel="x, along the clamp (mm)", ylabel="y, against gravity (mm)")
 
     return Picture((6.0, height), paint)
@@ -125,7 +128,7 @@ def plot_tolerance(pair: str, rows: Iterable[Mapping[str, Any]], columns: Mappin
             axes.set_axis_off()
         for axes, row in zip(panels, figures, strict=False):
             label, values = LABELS[row["name"]], _shown(row["name"], columns[row["name"]])
-            axes.hist(values[np.isfinite(values)], bins=60, color=COLOURS[0], alpha=0.75, lw=0)
+            axes.hist(values[np.isfinite(values)], bins=min(1 + int(values.size**0.5), 60), color=COLOURS[0], alpha=0.75, lw=0)
             if row["nominal"] is not None:
                 axes.axvline(row["nominal"] * label.scale, color="black", lw=1.0, label="as drawn")
             for limit in limits:

@@ -25,8 +25,9 @@ nav { margin: 1rem 0; } nav a { margin-right: 1.1rem; white-space: nowrap; } a {
 .wide { overflow-x: auto; margin: .6rem 0 1rem; }
 table { border-collapse: collapse; font-size: .87rem; font-variant-numeric: tabular-nums; }
 th, td { padding: .2rem 1rem .2rem 0; text-align: right; vertical-align: top; }
-td { white-space: nowrap; } td.text { white-space: normal; overflow-wrap: anywhere; }
-.text, .key { text-align: left; } th { font-weight: 600; } td:last-child, th:last-child { padding-right: .3rem; }
+td { white-space: nowrap; } td.text { white-space: normal; overflow-wrap: anywhere; min-width: 9rem; }
+.text, .key { text-align: left; } th { font-weight: 600; } th.key { white-space: nowrap; }
+td:last-child, th:last-child { padding-right: .3rem; }
 thead th { border-bottom: 1px solid #888; vertical-align: bottom; } .unit { font-weight: 400; color: #555; }
 tbody { break-inside: avoid; } tbody tr + tr td { border-top: 1px solid #eee; } tr { break-inside: avoid; }
 .group th { padding-top: .8rem; border-bottom: 1px solid #ccc; text-align: left; break-after: avoid; }

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from coast_cli.recordings.model import Recordings
 
 MOST_TUBES = 12
+_UNNAMED = "the configuration names none"
 _PAPER_LENGTHS = (0.020, 0.030, 0.040)
 _POINTS = 201  # of a shape; more than a picture shows
 
@@ -84,7 +85,7 @@ def contents(design: Design, wanted: Wanted, recordings: Recordings | None = Non
         missing["ranking"] = (
             "There is nothing to rank, as the configuration has no pairs of an outer and a middle tube."
         )
-    pair, chosen = _pair(design, ranking, wanted.pair)
+    pair, chosen = _pair(design, ranking, recordings, wanted.pair)
     outer, middle = design.pair(pair)
     strokes = None
     if config.joint is None:
@@ -109,15 +110,17 @@ def contents(design: Design, wanted: Wanted, recordings: Recordings | None = Non
     )  # fmt: skip
 
 
-def _pair(design: Design, ranking: Ranking | None, asked: str | None) -> tuple[str, str]:
-    """Return the pair and why it is that one."""
+def _pair(design: Design, ranking: Ranking | None, recordings: Recordings | None, asked: str | None) -> tuple[str, str]:
+    """Return the pair and why it is that one: as asked, as configured, as recorded, or the first of the ranking."""
     if asked is not None:
         return "/".join(name for name in design.pair(asked) if name), "as asked for by --pair"
-    if design.joint_pair is not None or ranking is None or ranking.columns["reason"][0] is not None:
-        named = "/".join(name for name in design.pair() if name)
-        joint = design.config.joint
-        return named, "the configuration's joint.pair" if joint is not None and joint.pair else "all that there is"
-    return f"{ranking.columns['outer'][0]}/{ranking.columns['middle'][0]}", "first of the ranking, as none is named"
+    joint = design.config.joint
+    if design.joint_pair is None and recordings is not None and recordings.joint is not None:
+        return recordings.joint.runs[0].pair, f"the first that was recorded: {_UNNAMED}"
+    if design.joint_pair is None and ranking is not None and ranking.columns["reason"][0] is None:
+        return f"{ranking.columns['outer'][0]}/{ranking.columns['middle'][0]}", f"first of the ranking: {_UNNAMED}"
+    named = "/".join(name for name in design.pair() if name)
+    return named, "the configuration's joint.pair" if joint is not None and joint.pair else "the only one there is"
 
 
 def _strokes(design: Design, joint: Joint, wanted: Wanted) -> tuple[Mapping[str, Any], tuple[str, ...]]:

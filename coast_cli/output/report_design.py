@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from coast_cli.design.rank import Ranking, RankOptions
+from coast_cli.design.tolerance import MOST_RANKED
 from coast_cli.output.design_plot import plot_pairs, plot_shapes, plot_strokes, plot_tolerance
 from coast_cli.output.diagnosis_words import sentence
 from coast_cli.output.html import (
@@ -123,8 +124,9 @@ def tolerance_section(
     parts = [paragraph(said), _tolerances(config), _distributions(kinds["figure"])]
     words = "How the figures of the pair are distributed as made, with their values as drawn and the limits of checks"
     parts.append(figure(plot_tolerance(pair, rows, columns), words))
+    times = min(samples, MOST_RANKED)
     parts.append(_chances(kinds["check"], "check", "Chance that each check holds"))
-    parts.append(_chances(kinds["first"], "pair", "Chance that each pair ranks first, the whole bench made anew"))
+    parts.append(_chances(kinds["first"], "pair", f"Chance that each pair ranks first, the whole bench made anew {times} times"))
     parts.append(_indices(kinds["index"]))
     return joined(*parts, _notes(notes))
 

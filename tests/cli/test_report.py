@@ -163,6 +163,20 @@ def test_a_joint_of_one_tube_has_what_there_is(coast, edited, reference_text, tm
     assert "Strokes of MT1" in page.text
 
 
+def test_where_no_pair_is_named_it_is_the_recorded_one_or_the_first_of_the_ranking(coast, edited, tmp_path):
+    config = edited(('pair = "OT4/MT1"', ""))
+    recording = tmp_path / "recording.csv"
+    rows = "".join(f"OT3,MT2,20,{1.2 + 0.1 * k:g},{1.4 * k:g}\n" for k in range(7))
+    recording.write_text("outer,middle,bending_length_mm,stroke_mm,curvature_per_m\n" + rows, encoding="utf-8")
+    said = []
+    for words in ((recording,), ()):
+        assert coast("report", config, *words, *QUICK, "-o", tmp_path / "report.html").code == 0
+        said.append(Page((tmp_path / "report.html").read_text(encoding="utf-8")).text)
+    assert "OT3/MT2, the first that was recorded" in said[0]
+    assert "The recording cannot decide." in said[0]
+    assert "OT4/MT1, first of the ranking" in said[1]
+
+
 def test_short_tubes_get_lengths_they_have(coast, edited, tmp_path):
     config = edited(
         ("count = 188", "count = 30"), ("count = 125", "count = 30"), ("bending_length_mm = 40.0", "bending_length_mm = 9.0")
