@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from coast_cli.design.checks import check_design as check_design
+    from coast_cli.design.path import PathPlan as PathPlan
+    from coast_cli.design.path import plan_path as plan_path
     from coast_cli.design.rank import Ranking as Ranking
     from coast_cli.design.rank import RankOptions as RankOptions
     from coast_cli.design.rank import rank as rank
@@ -77,6 +79,9 @@ if TYPE_CHECKING:
     from coast_cli.recordings.model import ShapeRun as ShapeRun
     from coast_cli.recordings.noise import NoiseEstimate as NoiseEstimate
     from coast_cli.recordings.noise import estimate_noise as estimate_noise
+    from coast_cli.recordings.planar_path import PlanarPath as PlanarPath
+    from coast_cli.recordings.planar_path import path_of_curvature as path_of_curvature
+    from coast_cli.recordings.planar_path import read_path as read_path
     from coast_cli.recordings.read import read_recordings as read_recordings
     from coast_cli.spec.build import Design as Design
     from coast_cli.spec.build import build as build
@@ -95,6 +100,7 @@ __version__ = "0.1.0"
 
 _PUBLIC = {
     "design.checks": ("check_design",),
+    "design.path": ("PathPlan", "plan_path"),
     "design.rank": ("RankOptions", "Ranking", "rank"),
     "design.sensitivity": ("sensitivity_rows",),
     "design.stroke": ("StrokeTable", "stroke_table"),
@@ -112,6 +118,7 @@ _PUBLIC = {
     "mechanics.tube": ("NotchedTube",),
     "recordings.model": ("JointRun", "Recordings", "ShapeRun"),
     "recordings.noise": ("NoiseEstimate", "estimate_noise"),
+    "recordings.planar_path": ("PlanarPath", "path_of_curvature", "read_path"),
     "recordings.read": ("read_recordings",),
     "spec.build": ("Design", "build"),
     "spec.config": ("Config",),

@@ -15,7 +15,7 @@ ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
 
 from coast_cli.design.exploration import Beginning, explore  # noqa: E402
-from coast_cli.design.samples import make_pair
+from coast_cli.design.samples import make_pair  # noqa: E402
 from coast_cli.design.tolerance import tolerance_rows  # noqa: E402
 from coast_cli.design.variation import variation  # noqa: E402
 from coast_cli.mechanics.pair import pair_table  # noqa: E402
