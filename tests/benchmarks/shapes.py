@@ -83,17 +83,17 @@ def wilson(good: int, count: int) -> str:
 
 def main() -> None:
     """Run the cases and print the figures."""
-    from examples.concealed.shape_case import SHAPE_EFFECTS, SHAPE_OUTSIDE
+    from examples.concealed.shape_case import SHAPE_EFFECTS, SHAPE_OUTSIDE, SHAPE_SENSOR
 
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--cases", type=int, default=20, help="of each effect")
     parser.add_argument("--clean", type=int, default=100)
-    parser.add_argument("--outside", type=int, default=0, help="cases of each effect that the catalogue does not hold")
+    parser.add_argument("--outside", type=int, default=0, help="cases of each sensor artefact and of each effect that the catalogue does not hold")
     parser.add_argument("--seed", type=int, default=1000)
     options = parser.parse_args()
     clean = list(outcomes("L0", None, options.clean, options.seed))
     flagged = [case for case in clean if case.diagnosis.verdict not in ("agrees", "parameters")]
-    print(f"clean, flagged: {wilson(len(flagged), len(clean))}", flush=True)
+    print(f"clean, flagged: {wilson(len(flagged), len(clean))} {[case.truth['seed'] for case in flagged] or ''}".rstrip(), flush=True)
     right = total = 0
     seconds = [case.seconds for case in clean]
     for effect in SHAPE_EFFECTS:
@@ -101,14 +101,18 @@ def main() -> None:
         first = [case for case in cases if case.named[:1] == [effect]]
         right, total = right + len(first), total + len(cases)
         seconds += [case.seconds for case in cases]
-        said = Counter(" + ".join(case.named) or case.diagnosis.verdict for case in cases if case not in first)
-        print(f"{effect}, named first: {wilson(len(first), len(cases))} {dict(said)}", flush=True)
+        missed = {case.truth["seed"]: " + ".join(case.named) or case.diagnosis.verdict for case in cases if case not in first}
+        print(f"{effect}, named first: {wilson(len(first), len(cases))} {missed or ''}".rstrip(), flush=True)
         if effect == "local_stiffness_defect":
             print(f"  its place within a pitch: {wilson(sum(map(_placed, first)), len(first))}")
         if effect == "roll_misalignment":
             errors = [abs(_parameter(case, "angle_deg") - case.truth["effects"][0]["parameters"]["roll_deg"]) for case in first]
             print(f"  its angle within 2 degrees: {wilson(sum(error < 2.0 for error in errors), len(first))}")
     print(f"all effects, named first: {wilson(right, total)}")
+    for effect in SHAPE_SENSOR if options.outside else ():
+        cases = list(outcomes("L5", effect, options.outside, options.seed))
+        said = Counter(" + ".join(case.named) or case.diagnosis.verdict for case in cases)
+        print(f"sensor, {effect}: {dict(said)}", flush=True)
     for effect in SHAPE_OUTSIDE if options.outside else ():
         cases = list(outcomes("L6", effect, options.outside, options.seed))
         seconds += [case.seconds for case in cases]

@@ -74,6 +74,15 @@ def test_depths_not_fitted_are_predicted(kind):
     assert fit.with_effects.held_out < 0.03  # mm, of tips 3 to 5 mm down
 
 
+def test_two_depths_of_flat_cuts_tell_the_chord_section_from_a_depth_error():
+    """No run named to be held out: which of two sets that fit alike is right is decided on every shape."""
+    config = load_config(DATA / "tubes.toml")
+    found = diagnose_shapes(config, read_recordings([DATA / "flat.csv"], config).shape.runs)
+    assert {effect.id for effect in found.effects} == {"notch_end_effect", "chord_section", "neutral_axis_offset"}
+    assert found.comparison.held_out_runs
+    assert found.comparison.with_effects.held_out < 0.1 * found.comparison.refitted.held_out
+
+
 def test_the_tip_force_does_not_hide_that_something_is_left_out():
     config = load_config(DATA / "tubes.toml")
     found = diagnose_shapes(config, read_recordings([DATA / "tip_force.csv"], config).shape.runs, most_effects=2)

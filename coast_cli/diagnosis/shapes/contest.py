@@ -146,7 +146,9 @@ def _grow(
     """
     loose = max(level, 0.3 * parent.fit.rmse)
     started = []
-    for effect in screen(problem, parent.fit, level)[:most]:
+    promising = screen(problem, parent.fit, level)
+    # What theory says is there is tried beside the most promising: a large step says little to first order.
+    for effect in (*promising[:most], *(one for one in promising[most:] if one.rarity < 0.0 and parent.ids)):
         if parent.fit.key | {effect.variant} not in tried:
             effects = in_order((*parent.fit.effects, effect))
             started.append(fit(problem, effects, parent.fit.coordinates, level=loose, steps=4, polish=False))
@@ -232,7 +234,7 @@ def screen(problem: Problem, parent: Fit, level: float) -> list[ShapeEffect]:
         if gain > _WORTH_FITTING and (kind not in best or gain > best[kind][0]):
             best[kind] = gain, start.scaled(amount)
     ranked = sorted(best.values(), key=lambda pair: -pair[0])
-    return [effect for gain, effect in ranked if gain > _RIVAL_SHARE * ranked[0][0]]
+    return [effect for gain, effect in ranked if gain > _RIVAL_SHARE * ranked[0][0] or effect.rarity < 0.0]
 
 
 def _hypothesis(problem: Problem, fitted: Fit) -> Hypothesis:
