@@ -217,7 +217,10 @@ def _look_up(
     tables: _Tables, drive: FloatArray, reverses: bool  # noqa: FBT001 -- private
 ) -> tuple[FloatArray, FloatArray | None, Stations]:
     def at(axis: FloatArray, values: FloatArray) -> FloatArray:
-        return np.stack([np.interp(drive, axis, values[:, j]) for j in range(values.shape[1])], axis=1)
+        out = np.empty((drive.size, values.shape[1]))
+        for j in range(values.shape[1]):
+            out[:, j] = np.interp(drive, axis, values[:, j])
+        return out
 
     low = at(tables.load_drive, tables.load_curvature)
     high = at(tables.release_drive, tables.release_curvature) if reverses else None

@@ -9,12 +9,13 @@ import numpy as np
 
 from coast_cli.effects.effect import Effect, Segment
 from coast_cli.mechanics.joint import Joint
-from coast_cli.mechanics.section import FloatArray, full_section
-from coast_cli.mechanics.tube import NotchedTube
+from coast_cli.mechanics.section import FloatArray
 
 _TABLE = 385
 _OWN_BEND_SWEEPS = 3
 _NEGATIVE = 0.35  # tables reach this part of the limit on the negative side, for a bend against the tendon
+_GRID = np.linspace(-_NEGATIVE, 1.0, _TABLE)
+_TENSIONS = np.linspace(0.0, 1.0, _TABLE) ** 1.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +47,8 @@ class Stations:
     def shortening(self, curvature: FloatArray) -> FloatArray:
         """Return how far the bend pulls the tendon, m, for curvature (..., m): P (9), chord across each cut."""
         half = curvature * self.pitch / 2.0
-        each = self.cut * (1.0 - np.sinc(half / np.pi)) + 2.0 * self.lever_arm * np.sin(half)
+        sine = np.sin(half)
+        each = self.cut * (1.0 - sine / np.where(half == 0.0, 1.0, half) - (half == 0.0)) + 2.0 * self.lever_arm * sine
         return np.asarray(each @ self.count)
 
 
@@ -67,25 +69,24 @@ def stations_for(
     tube = joint.middle
     radius = 0.0 if joint.tendon is None else joint.tendon.radius
     gain = joint.pulley_friction * joint.wrap_angle + length / joint.pitch * np.log(joint.notch_friction)
-    graded = bool(np.ptp(tube.depth) > 0.0 or np.ptp(tube.pitch) > 0.0 or np.ptp(tube.cut) > 0.0)
-    if kind == "notch" or graded:
+    if kind == "notch" or tube.is_graded:
         wanted = columns if kind == "notch" else min(max(round(length / joint.pitch), 1), tube.count)
         chosen = slice(tube.count - wanted, tube.count)
         count = np.ones(wanted)
-        if graded or any(effect.varies_along for effect in effects):
+        if tube.is_graded or any(effect.varies_along for effect in effects):
             pitch, cut, depth_axis = tube.pitch[chosen], tube.cut[chosen], tube.notch.neutral_axis[chosen]
-            inertia = _series(tube)[chosen]
+            inertia = tube.series_second_moment[chosen]
         else:
             chosen = slice(tube.count - 1, tube.count)
             count = np.array([float(wanted)])
             pitch, cut, depth_axis = tube.pitch[chosen], tube.cut[chosen], tube.notch.neutral_axis[chosen]
-            inertia = _series(tube)[chosen]
+            inertia = tube.series_second_moment[chosen]
     else:
         lumps = max((effect.lumps for effect in effects), default=1)
         chosen = slice(tube.count - 1, tube.count)
         count = np.full(lumps, length / joint.pitch / lumps)
         pitch, cut = np.full(lumps, joint.pitch), np.full(lumps, joint.cut)
-        depth_axis, inertia = np.full(lumps, float(np.mean(tube.notch.neutral_axis))), np.full(lumps, _series(tube)[-1])
+        depth_axis, inertia = np.full(lumps, float(np.mean(tube.notch.neutral_axis))), np.full(lumps, tube.series_second_moment[-1])
     if joint.outer is not None:
         inertia = inertia + joint.outer.rigidity_series / joint.outer.youngs_modulus
     bend_weight = count * pitch
@@ -93,8 +94,8 @@ def stations_for(
         rigidity=(drifted[0] * joint.youngs_modulus * inertia)[:, np.newaxis],
         bending_length=length,
         joint=joint,
-        strain_per_curvature=_strain(tube, chosen, pitch.size),
-        closing_curvature=_closing(joint, chosen, pitch.size),
+        strain_per_curvature=_of_each(tube.strain_per_curvature, chosen, pitch.size),
+        closing_curvature=_of_each(_closing(joint), chosen, pitch.size),
         position=None if pitch.size == 1 else (np.cumsum(bend_weight) - 0.5 * bend_weight)[:, np.newaxis],
     )
     return Stations(
@@ -120,7 +121,7 @@ def branch(
         effect.friction(direction, joint, stations.bending_length) for effect in effects
     )
     gain = float(np.exp(exponent))
-    curvature = np.linspace(-_NEGATIVE * curvature_limit, curvature_limit, _TABLE)
+    curvature = curvature_limit * _GRID
     moment = stations.segment.rigidity * (curvature - stations.drifted_rest)
     for effect in effects:
         moment = effect.moment(moment, np.broadcast_to(curvature, moment.shape), direction, stations.segment)
@@ -146,7 +147,7 @@ def _along(
         monotone = np.minimum.accumulate(moment[:, ::-1], axis=1)[:, ::-1]
     friction, own = max((effect.notch_friction() for effect in effects), default=(0.0, 0.0))
     largest = float(np.max(monotone[:, -1] / stations.lever_arm)) * gain
-    tension = np.linspace(0.0, 1.0, _TABLE) ** 1.5 * largest
+    tension = _TENSIONS * largest
     here = tension / gain
     bent = np.empty((_TABLE, stations.pitch.size))
     for place in range(stations.pitch.size):
@@ -161,30 +162,12 @@ def _along(
     return tension, bent
 
 
-def _series(tube: NotchedTube) -> FloatArray:
-    """Return the series second moment of each pitch, m^4, shape (n,)."""
-    cut, uncut = tube.segments.length[1::2], tube.segments.length[0::2]
-    compliance = cut * tube.youngs_modulus / tube.segments.rigidity[1::2] + uncut / full_section(
-        tube.outer_radius, tube.inner_radius
-    ).second_moment
-    return np.asarray((cut + uncut) / compliance)
+def _of_each(values: FloatArray, chosen: slice, size: int) -> FloatArray:
+    """Return what the chosen notches have, shape (size, 1)."""
+    return np.broadcast_to(values[chosen], (size,))[:, np.newaxis]
 
 
-def _strain(tube: NotchedTube, chosen: slice, size: int) -> FloatArray:
-    """Return the outer-fibre strain of the strip for a unit curvature of the segment, m, shape (size, 1)."""
-    axis = tube.notch.neutral_axis[chosen]
-    inner_edge = tube.inner_radius * (tube.depth[chosen] - tube.outer_radius) / tube.outer_radius
-    fibre = np.maximum(tube.outer_radius - axis, axis - inner_edge)
-    strain = fibre * tube.pitch[chosen] / tube.cut[chosen]
-    return np.broadcast_to(strain, (size,))[:, np.newaxis]
-
-
-def _closing(joint: Joint, chosen: slice, size: int) -> FloatArray:
-    """Return the curvature at which the faces of a notch touch, 1/m, shape (size, 1): cut/(ro + ybar)/pitch."""
-    tube = joint.middle
-    closing = (tube.cut / (tube.outer_radius + tube.notch.neutral_axis) / tube.pitch)[chosen]
-    if joint.outer is not None:
-        outer = joint.outer
-        first = float(np.min(outer.cut / (outer.outer_radius + outer.notch.neutral_axis) / outer.pitch))
-        closing = np.minimum(closing, first)
-    return np.broadcast_to(closing, (size,))[:, np.newaxis]
+def _closing(joint: Joint) -> FloatArray:
+    """Return the curvature at which the faces of each notch touch, in whichever tube touches first, 1/m, shape (n,)."""
+    closing = joint.middle.closing_curvature
+    return closing if joint.outer is None else np.minimum(closing, joint.outer.closing_curvature.min())

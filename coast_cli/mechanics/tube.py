@@ -107,6 +107,30 @@ class NotchedTube:
         """Length over summed compliance, N m^2: the uniform tube that bends as far under one moment."""
         return self.length / np.sum(self.segments.length / self.segments.rigidity).item()
 
+    @cached_property
+    def series_second_moment(self) -> FloatArray:
+        """Second moment of area that each pitch has in series, cut and uncut, m^4, shape (n,)."""
+        cut, uncut = self.segments.length[1::2], self.segments.length[0::2]
+        compliance = cut * self.youngs_modulus / self.segments.rigidity[1::2] + uncut / self.ring.second_moment
+        return np.asarray((cut + uncut) / compliance)
+
+    @cached_property
+    def strain_per_curvature(self) -> FloatArray:
+        """Strain of the strip's outer fibre for a unit curvature of the segment, m, shape (n,)."""
+        axis = self.notch.neutral_axis
+        inner_edge = self.inner_radius * (self.depth - self.outer_radius) / self.outer_radius
+        return np.asarray(np.maximum(self.outer_radius - axis, axis - inner_edge) * self.pitch / self.cut)
+
+    @cached_property
+    def closing_curvature(self) -> FloatArray:
+        """Curvature of the segment at which the faces of each notch touch, cut/(ro + ybar)/pitch, 1/m, shape (n,)."""
+        return np.asarray(self.cut / (self.outer_radius + self.notch.neutral_axis) / self.pitch)
+
+    @cached_property
+    def is_graded(self) -> bool:
+        """Whether notches differ from each other."""
+        return bool(np.ptp(self.depth) > 0.0 or np.ptp(self.pitch) > 0.0 or np.ptp(self.cut) > 0.0)
+
 
 def _interleave(first: FloatArray, second: FloatArray) -> FloatArray:
     return np.stack((first, second), axis=-1).reshape(-1)
