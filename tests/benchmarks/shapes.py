@@ -88,12 +88,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--cases", type=int, default=20, help="of each effect")
     parser.add_argument("--clean", type=int, default=100)
-    parser.add_argument("--outside", type=int, default=0, help="cases of each sensor artefact and of each effect that the catalogue does not hold")
+    parser.add_argument("--outside", type=int, default=0, help="of each artefact of the camera, and effect of no catalogue")
     parser.add_argument("--seed", type=int, default=1000)
     options = parser.parse_args()
     clean = list(outcomes("L0", None, options.clean, options.seed))
     flagged = [case for case in clean if case.diagnosis.verdict not in ("agrees", "parameters")]
-    print(f"clean, flagged: {wilson(len(flagged), len(clean))} {[case.truth['seed'] for case in flagged] or ''}".rstrip(), flush=True)
+    which = [case.truth["seed"] for case in flagged]
+    print(f"clean, flagged: {wilson(len(flagged), len(clean))} {which or ''}".rstrip(), flush=True)
     right = total = 0
     seconds = [case.seconds for case in clean]
     for effect in SHAPE_EFFECTS:

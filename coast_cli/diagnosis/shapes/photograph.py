@@ -28,6 +28,8 @@ _POINTS_A_COEFFICIENT = 3
 _BACKWARD = 6.0  # noise levels
 _WIDEST_GAP = 0.25  # of the tube
 _LENGTHS = (0.75, 1.35)  # recorded over configured
+_FEWEST = 3
+_DOUBLED = 0.1  # of the points
 _CLAMP = 0.05  # of the tube
 _RING_SPACING = 0.08  # of a pitch
 
@@ -134,16 +136,21 @@ def _on_rings(arc: FloatArray, rings: FloatArray, length: float) -> bool:
 def _check(run: ShapeRun, length: float) -> None:
     """Refuse points that cannot be a tube from its clamp to its tip."""
     x, y = run.x, run.y
+    if len(x) < _FEWEST:
+        raise _refusal(run, -1, f"too few points for a shape, {len(x)}", f"{_FEWEST} or more, better 40")
+    again = np.flatnonzero((np.diff(x) == 0.0) & (np.diff(y) == 0.0)) + 1
+    if again.size > _DOUBLED * len(x):
+        raise _refusal(run, int(again[0]), f"{again.size} points stand twice, one after the other", "each point once")
     if np.hypot(x[0], y[0]) > _CLAMP * length:
         if np.hypot(x[-1], y[-1]) < _CLAMP * length:
             raise _refusal(run, -1, "the points run from the tip to the clamp", "points ordered from the clamp")
         raise _refusal(run, 0, "the first point is not at the clamp", "the clamp at the origin, as the first point")
     step = np.hypot(np.diff(x), np.diff(y))
     usual = float(np.median(step))
-    if step.max() > max(_WIDEST_GAP * length, 3.0 * usual):
+    backward = _turned_back(x, y, usual)
+    if backward is None and step.max() > max(_WIDEST_GAP * length, 3.0 * usual):
         row = int(np.argmax(step)) + 1
         raise _refusal(run, row, f"a gap of {step.max() / MILLIMETRE:.3g} mm between points", "points all along the tube")
-    backward = _turned_back(x, y, usual)
     if backward is not None:
         raise _refusal(run, backward, "the points go back and forth: out of order, or the line crosses itself",
                        "points in order from the clamp to the tip")  # fmt: skip

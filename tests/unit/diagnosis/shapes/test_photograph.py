@@ -57,6 +57,12 @@ def test_one_point_a_pitch_lies_on_the_rings():
         ((1.9 * X, 1.9 * Y), "another tube's shape"),
         ((X[:45], Y[:45]), "another tube's shape"),
         ((-X, Y), "towards -x"),
+        ((np.repeat(X, 2), np.repeat(Y, 2)), "stand twice"),
+        ((np.zeros(20), np.zeros(20)), "stand twice"),
+        ((X[[0, -1]], Y[[0, -1]]), "too few points"),
+        ((X[[*range(30), 50, *range(31, 50), 30, *range(51, 80)]], Y[[*range(30), 50, *range(31, 50), 30, *range(51, 80)]]),
+         "out of order"),
+        ((X[[*range(30), 31, 30, *range(32, 80)]], Y[[*range(30), 31, 30, *range(32, 80)]]), "out of order"),
     ],
 )
 def test_bad_points(points, said):
@@ -74,6 +80,10 @@ def test_noise_and_spacing_are_no_fault(up, noise, points):
     random = np.random.default_rng(points)
     x, y = shape(Bench(natural=-9.0), up=up, points=points)
     photographs(DESIGN, [_run(x + noise * random.standard_normal(points), y + noise * random.standard_normal(points))])
+
+
+def test_one_point_that_stands_twice_does_no_harm():
+    photographs(DESIGN, [_run(np.insert(X, 30, X[30]), np.insert(Y, 30, Y[30]))])
 
 
 def test_an_unknown_tube_is_refused():
