@@ -280,8 +280,8 @@ class _Judge:
         if loop is None or not any(effect.reverses or effect is Backlash for effect in named):
             return []
         unit, name = (MILLIMETRE, "mm") if self.problem.runs[0].stroke is not None else (1.0, "N")
-        return [f"the loop is {loop.low / unit:.2g} {name} wide at a fifth of the response and {loop.high / unit:.2g} {name} "
-                f"at four fifths: {loop.meaning}"]  # fmt: skip
+        low, high = f"{loop.low / unit:.2g} {name}", f"{loop.high / unit:.2g} {name}"
+        return [f"the loop is {low} wide at a fifth of the response and {high} at four fifths: {loop.meaning}"]
 
     def _notes(self) -> tuple[str, ...]:
         runs, notes = self.problem.runs, []

@@ -60,8 +60,8 @@ def _loop(run: JointRun, up: slice, down: slice) -> Loop | None:
     rising, falling = response[up], response[down]
     if not (np.all(np.isfinite(rising)) and np.all(np.isfinite(falling))):
         return None
-    low, top = float(rising.min()), float(rising.max())
-    if falling.min() > low + _LOW[0] * (top - low):
+    low, top = float(np.nanmin(response)), float(rising.max())
+    if max(rising.min(), falling.min()) > low + _LOW[0] * (top - low):
         return None
     widths = [
         _crossing(run.drive[up], rising, level) - _crossing(run.drive[down][::-1], falling[::-1], level)

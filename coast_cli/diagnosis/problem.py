@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from coast_cli.diagnosis.likelihood import NoiseBank
 from coast_cli.effects.effect import Effect, History, Need, Scale
-from coast_cli.effects.forward import Layout, Prediction, predict
+from coast_cli.effects.forward import Layout, Prediction, Tables, predict
 from coast_cli.mechanics.joint import Joint, curvature_from_stroke
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.recordings.model import JointRun
@@ -217,10 +217,15 @@ class Problem:
         for pair, recorded in self.histories.items():
             joint = with_base(self.joints[pair], values)
             histories = [one.history for one in recorded]
-            predicted = predict(joint, (*self.fixed_effects, *effects), histories, self.layouts[pair])
+            predicted = predict(joint, (*self.fixed_effects, *effects), histories, self.layouts[pair], self.tables)
             for one, whole in zip(recorded, predicted, strict=True):
                 found[one.run] = Prediction(whole.response[one.rows], whole.tension[one.rows])
         return [found[index] for index in range(len(self.runs))]
+
+    @cached_property
+    def tables(self) -> Tables:
+        """What predictions of this problem have tabulated."""
+        return Tables()
 
     @cached_property
     def sequences(self) -> list[tuple[int, int, NDArray[np.int64]]]:

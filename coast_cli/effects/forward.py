@@ -47,29 +47,102 @@ class Layout:
     curvature_limit: float = 100.0
 
 
-def predict(joint: Joint, effects: Sequence[Effect], runs: Sequence[History], layout: Layout) -> list[Prediction]:
+def predict(
+    joint: Joint, effects: Sequence[Effect], runs: Sequence[History], layout: Layout, tables: Tables | None = None
+) -> list[Prediction]:
     """Return the prediction of every run, in order; what a run leaves behind is carried to the next.
 
     Args:
         joint: with its base parameters. effects: any set, in any order. runs: drive histories, SI.
         layout: what is observed, and the largest curvature (1/m) that tables must reach.
+        tables: what earlier calls have tabulated, to be used again and added to.
     """
     ordered = in_order(effects)
+    tables = tables if tables is not None else Tables()
+    tables.begin()
     for effect in ordered:
         joint = effect.joint(joint)
-    cache: dict[tuple[float, float, float], _Tables] = {}
     predictions = []
     earlier = 0.0
     for run in runs:
-        prediction = _predict_run(joint, ordered, replace(run, earlier_tension=earlier), layout, cache)
+        prediction = _predict_run(joint, ordered, replace(run, earlier_tension=earlier), layout, tables)
         earlier = max(earlier, float(np.max(prediction.tension, initial=0.0)))
         predictions.append(prediction)
     return predictions
 
 
 @dataclass(frozen=True, slots=True)
+class _Branches:
+    """What a joint's structure holds at one bending length, whatever its tendon: load first, then release where it differs.
+
+    Attributes:
+        sides: of each direction the actuator's tension (q,), curvature of each station (q, m), tendon shortening (q,).
+        joint: kept alive, as its tubes' identities are part of what the table is found by.
+    """
+
+    stations: Stations
+    sides: tuple[tuple[FloatArray, FloatArray, FloatArray], ...]
+    joint: Joint
+
+
+class Tables:
+    """Branches that were tabulated before; a fit moves many parameters that they do not depend on."""
+
+    _MOST = 600
+    _SHAPING = ("friction", "notch_friction", "moment", "lumps")
+
+    def __init__(self) -> None:
+        self._found: dict[tuple[object, ...], _Branches] = {}
+        self._axes: dict[tuple[int, bool], _Tables] = {}
+
+    def begin(self) -> None:
+        """Forget what depends on the tendon and on the zero of the stroke: a prediction with other parameters begins."""
+        self._axes.clear()
+
+    def axes(
+        self,
+        joint: Joint,
+        effects: Sequence[Effect],
+        length: float,
+        layout: Layout,
+        drifted: tuple[float, float],
+        *,
+        stroke_driven: bool,
+    ) -> _Tables:
+        """Return load and release branch over the drive, for the joint and effects of this prediction."""
+        branches = self.branches(joint, effects, length, layout, drifted)
+        key = (id(branches), stroke_driven)
+        if key not in self._axes:
+            self._axes[key] = _tabulate(joint, effects, branches, stroke_driven=stroke_driven)
+        return self._axes[key]
+
+    def branches(
+        self, joint: Joint, effects: Sequence[Effect], length: float, layout: Layout, drifted: tuple[float, float]
+    ) -> _Branches:
+        """Return the branches of a joint at one bending length (m), tabulated now or before."""
+        shaping = tuple(
+            effect for effect in effects if any(getattr(type(effect), n) is not getattr(Effect, n) for n in self._SHAPING)
+        )
+        radius = None if joint.tendon is None else joint.tendon.radius
+        key = (
+            joint.youngs_modulus, joint.pulley_friction, joint.wrap_angle, joint.notch_friction, radius,
+            id(joint.middle), id(joint.outer), shaping, length, layout.kind, layout.columns, layout.curvature_limit, drifted,
+        )  # fmt: skip
+        if key not in self._found:
+            if len(self._found) >= self._MOST:
+                self._found.clear()
+            stations = stations_for(joint, shaping, length, layout.kind, layout.columns, drifted)
+            sides = []
+            for direction in (1, -1) if any(effect.reverses for effect in shaping) else (1,):
+                tension, curvature = branch(stations, shaping, direction, layout.curvature_limit)
+                sides.append((tension, curvature, stations.shortening(curvature)))
+            self._found[key] = _Branches(stations, tuple(sides), joint)
+        return self._found[key]
+
+
+@dataclass(frozen=True, slots=True)
 class _Tables:
-    """Load and release branch at one bending length: drive, curvature of each station, tendon shortening."""
+    """Load and release branch at one bending length: drive beyond the dead band, curvature of each station."""
 
     stations: Stations
     load_drive: FloatArray
@@ -83,17 +156,17 @@ def _predict_run(
     effects: Sequence[Effect],
     commanded: History,
     layout: Layout,
-    cache: dict[tuple[float, float, float], _Tables],
+    tables: Tables,
 ) -> Prediction:
     history = commanded
     for effect in effects:
         history = effect.drive(history)
-    low, high, stations = _bounds(joint, effects, history, history.drive, layout, cache)
+    low, high, stations = _bounds(joint, effects, history, history.drive, layout, tables)
     if history.stroke is None:
         curvature = _state(low, high, stations, effects)
         tension = history.drive
     else:
-        curvature, tension = _with_slack(joint, effects, history, layout, cache, low, high, stations)
+        curvature, tension = _with_slack(joint, effects, history, layout, tables, low, high, stations)
     response = _observe(curvature, stations, history.bending_length, layout)
     for effect in effects:
         response = effect.sense(response, commanded)
@@ -105,7 +178,7 @@ def _with_slack(
     effects: Sequence[Effect],
     history: History,
     layout: Layout,
-    cache: dict[tuple[float, float, float], _Tables],
+    tables: Tables,
     low: FloatArray,
     high: FloatArray | None,
     stations: Stations,
@@ -124,7 +197,7 @@ def _with_slack(
         slack = wanted
         if change < _SLACK_TOLERANCE:
             break
-        low, high, stations = _bounds(joint, effects, history, stroke - slack, layout, cache)
+        low, high, stations = _bounds(joint, effects, history, stroke - slack, layout, tables)
     return curvature, tension
 
 
@@ -149,19 +222,19 @@ def _bounds(
     history: History,
     drive: FloatArray,
     layout: Layout,
-    cache: dict[tuple[float, float, float], _Tables],
+    tables: Tables,
 ) -> tuple[FloatArray, FloatArray | None, Stations]:
     """Return the curvature (n, m) that load and release hold at each row, and the stations they stand for."""
     reverses = any(effect.reverses for effect in effects)
     drifting = _drifting(effects, history)
     if drifting is None:
-        return _at_lengths(joint, effects, history, drive, layout, cache, (1.0, 0.0), reverses)
+        return _at_lengths(joint, effects, history, drive, layout, tables, (1.0, 0.0), reverses)
     effect, drift = drifting
     first, last = float(drift.min()), float(drift.max())
-    low_0, high_0, stations = _at_lengths(joint, effects, history, drive, layout, cache, effect.drifted(first), reverses)
+    low_0, high_0, stations = _at_lengths(joint, effects, history, drive, layout, tables, effect.drifted(first), reverses)
     if last - first < 1e-12:
         return low_0, high_0, stations
-    low_1, high_1, _ = _at_lengths(joint, effects, history, drive, layout, cache, effect.drifted(last), reverses)
+    low_1, high_1, _ = _at_lengths(joint, effects, history, drive, layout, tables, effect.drifted(last), reverses)
     part = ((drift - first) / (last - first))[:, np.newaxis]
     high = None if high_0 is None or high_1 is None else high_0 + part * (high_1 - high_0)
     return low_0 + part * (low_1 - low_0), high, stations
@@ -181,7 +254,7 @@ def _at_lengths(
     history: History,
     drive: FloatArray,
     layout: Layout,
-    cache: dict[tuple[float, float, float], _Tables],
+    tables: Tables,
     drifted: tuple[float, float],
     reverses: bool,  # noqa: FBT001 -- private, and always passed by the two lines above
 ) -> tuple[FloatArray, FloatArray | None, Stations]:
@@ -189,24 +262,22 @@ def _at_lengths(
     distinct = np.unique(np.round(lengths, 7))
     if distinct.size > _MOST_LENGTHS:
         distinct = np.linspace(distinct[0], distinct[-1], _MOST_LENGTHS)
-    found = []
-    for length in distinct.tolist():
-        key = (length, *drifted)
-        if key not in cache:
-            cache[key] = _tabulate(joint, effects, length, layout, drifted, stroke_driven=history.stroke is not None)
-        found.append(cache[key])
+    driven = history.stroke is not None
+    found = [tables.axes(joint, effects, length, layout, drifted, stroke_driven=driven) for length in distinct.tolist()]
+    if driven:
+        drive = drive - joint.deadband
     if len(found) == 1:
         return _look_up(found[0], drive, reverses)
     left = np.clip(np.searchsorted(distinct, lengths + 1e-9, side="right") - 1, 0, distinct.size - 2)
     part = np.clip((lengths - distinct[left]) / (distinct[left + 1] - distinct[left]), 0.0, 1.0)
     low = np.zeros((drive.size, found[0].load_curvature.shape[1]))
     high = np.zeros_like(low) if reverses else None
-    for place, tables in enumerate(found):
+    for place, table in enumerate(found):
         share = np.where(left == place, 1.0 - part, 0.0) + np.where(left + 1 == place, part, 0.0)
         rows = np.flatnonzero(share)
         if rows.size == 0:
             continue
-        below, above, _ = _look_up(tables, drive[rows], reverses)
+        below, above, _ = _look_up(table, drive[rows], reverses)
         low[rows] += share[rows, np.newaxis] * below
         if high is not None and above is not None:
             high[rows] += share[rows, np.newaxis] * above
@@ -228,24 +299,23 @@ def _look_up(
 
 
 def _tabulate(
-    joint: Joint, effects: Sequence[Effect], length: float, layout: Layout, drifted: tuple[float, float], *, stroke_driven: bool
+    joint: Joint, effects: Sequence[Effect], branches: _Branches, *, stroke_driven: bool
 ) -> _Tables:
     """Return both branches at one bending length, each as a strictly usable axis: a jump is where it cannot hold."""
-    stations = stations_for(joint, effects, length, layout.kind, layout.columns, drifted)
     sides = []
     rest = 0.0
     homed = max((effect.homing() for effect in effects), default=0.0)
-    for direction in (1, -1) if any(effect.reverses for effect in effects) else (1,):
-        tension, curvature = branch(stations, effects, direction, layout.curvature_limit)
+    for direction, (tension, curvature, shortening) in zip((1, -1), branches.sides, strict=False):
         if stroke_driven:
             if direction > 0:
-                rest = homed * float(stations.shortening(curvature[0]))
-            axis = joint.deadband - rest + stations.shortening(curvature) + _stretch(joint, effects, tension)
+                rest = homed * float(shortening[0])
+            axis = shortening - rest + _stretch(joint, effects, tension)
         else:
             axis = tension
         axis = np.maximum.accumulate(axis) if direction > 0 else np.minimum.accumulate(axis[::-1])[::-1]
         sides.append((axis, curvature))
-    return _Tables(replace(stations, rest_path=rest, rest=0.5 * (sides[0][1][0] + sides[-1][1][0])), *sides[0], *sides[-1])
+    stations = replace(branches.stations, rest_path=rest, rest=0.5 * (sides[0][1][0] + sides[-1][1][0]))
+    return _Tables(stations, *sides[0], *sides[-1])
 
 
 def _stretch(joint: Joint, effects: Sequence[Effect], tension: FloatArray) -> FloatArray:

@@ -86,7 +86,8 @@ def stations_for(
         chosen = slice(tube.count - 1, tube.count)
         count = np.full(lumps, length / joint.pitch / lumps)
         pitch, cut = np.full(lumps, joint.pitch), np.full(lumps, joint.cut)
-        depth_axis, inertia = np.full(lumps, float(np.mean(tube.notch.neutral_axis))), np.full(lumps, tube.series_second_moment[-1])
+        depth_axis = np.full(lumps, float(np.mean(tube.notch.neutral_axis)))
+        inertia = np.full(lumps, tube.series_second_moment[-1])
     if joint.outer is not None:
         inertia = inertia + joint.outer.rigidity_series / joint.outer.youngs_modulus
     bend_weight = count * pitch

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from coast_cli.effects.catalogue import CATALOGUE, build_effects, in_order
 from coast_cli.effects.effect import STAGES, Effect, History
-from coast_cli.effects.forward import Layout, predict
+from coast_cli.effects.forward import Layout, Tables, predict
 from coast_cli.errors import BadInput
 from coast_cli.mechanics.joint import Joint, Tendon, curvature_from_stroke
 from coast_cli.mechanics.tube import NotchedTube
@@ -106,6 +106,36 @@ def test_the_order_of_listing_does_not_matter(joint, runs):
 
 def test_all_effects_compose(joint, runs):
     assert np.all(np.isfinite(_responses(joint, [_middle_of_range(effect) for effect in CATALOGUE.values()], runs)))
+
+
+def test_tables_used_again_change_nothing(joint, runs):
+    tables = Tables()
+    capstan, play = CATALOGUE["capstan_hysteresis"](0.05), CATALOGUE["backlash"](0.1)
+    stretchy = replace(joint, tendon=replace(joint.tendon, youngs_modulus=40e9), deadband=0.9e-3)
+    for effects, of in (((capstan,), joint), ((capstan, play), stretchy), ((play,), joint), ((capstan,), stretchy)):
+        for again, fresh in zip(predict(of, effects, runs, LAYOUT, tables), predict(of, effects, runs, LAYOUT), strict=True):
+            np.testing.assert_array_equal(again.response, fresh.response)
+            np.testing.assert_array_equal(again.tension, fresh.tension)
+
+
+def test_a_shape_at_rest_that_drifts_ends_where_precurvature_stands(joint, runs):
+    drift = CATALOGUE["thermal_drift"](rest_change_per_m=6.0, time_constant_s=1e-1)
+    curved = CATALOGUE["precurvature"](6.0, 0.0)
+    for late, still in zip(predict(joint, [drift], runs, LAYOUT), predict(joint, [curved], runs, LAYOUT), strict=True):
+        np.testing.assert_allclose(late.response[20:], still.response[20:], atol=1e-6)
+        np.testing.assert_allclose(late.tension[20:], still.tension[20:], atol=1e-8)
+
+
+def test_slips_spread_along_the_path_round_the_corner_and_keep_the_branches(joint, runs):
+    sharp, rounded = (
+        predict(joint, [CATALOGUE["capstan_hysteresis"](0.05, 0.0, spread)], runs, LAYOUT)[0].response[:, 0]
+        for spread in (0.0, 0.8)
+    )
+    np.testing.assert_allclose(rounded[:SAMPLES], sharp[:SAMPLES], atol=1e-9)
+    low = slice(2 * SAMPLES - 12, 2 * SAMPLES)
+    np.testing.assert_allclose(rounded[low], sharp[low], atol=0.02 * sharp.max())
+    after = slice(SAMPLES, SAMPLES + 12)
+    assert np.max(np.abs(np.diff(rounded[after], 2))) < 0.7 * np.max(np.abs(np.diff(sharp[after], 2)))
 
 
 def test_a_sliding_bending_length_is_interpolated(joint):
