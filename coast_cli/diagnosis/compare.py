@@ -11,7 +11,7 @@ import numpy as np
 from coast_cli.diagnosis.errors import UNITS, tip_of, to_unit
 from coast_cli.diagnosis.problem import build_problem
 from coast_cli.diagnosis.shapes.problem import build_problem as build_shape_problem
-from coast_cli.recordings.noise import Series, pooled_noise, recording_noise, run_noise
+from coast_cli.recordings.noise import MOST_SAMPLES, Series, pooled_noise, recording_noise, run_noise
 from coast_cli.units import DEGREE, MILLIMETRE
 
 if TYPE_CHECKING:
@@ -75,7 +75,7 @@ class Comparison:
 
     def rows(self) -> list[dict[str, str | float | int | None]]:
         """Return a row for each run and, last, one for all of them together."""
-        most = max(FEWEST_FOR_NOISE, MOST_FOR_NOISE // max(len(self.joint), 1))
+        most = min(MOST_SAMPLES, max(FEWEST_FOR_NOISE, MOST_FOR_NOISE // max(len(self.joint), 1)))
         rows = [_row(one.run.name, [one], (), run_noise(one.run, most_samples=most).level) for one in self.joint]
         rows += [_row(one.run.name, (), [one], _shape_noise([one])) for one in self.shape]
         return [*rows, _row(POOLED, self.joint, self.shape, self._noise())]
