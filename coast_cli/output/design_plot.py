@@ -13,6 +13,14 @@ from coast_cli.output.picture import COLOURS, MARKS, Picture, short
 
 _MOST_CURVES = 12
 _MOST_LABELS = 40
+# Points from a mark to its name: where it starts, its alignment, its middle; and how far from there others are clear.
+_CORNERS = (
+    ((6, 4), "left", (15.0, 8.0)),
+    ((6, -11), "left", (15.0, -8.0)),
+    ((-6, 4), "right", (-15.0, 8.0)),
+    ((-6, -11), "right", (-15.0, -8.0)),
+)
+_CLEAR, _PANEL = 16.0, (240.0, 210.0)
 _CLOUD = 20_000  # points of a cloud; more only blacken it
 
 
@@ -32,8 +40,7 @@ def plot_pairs(columns: Mapping[str, Any], rigidity: str) -> Picture:
         front = table["pareto"].astype(bool)
         axes.plot(x[front], y[front], "o", mfc="none", mec="black", ms=10, mew=0.8, label="front")
         if x.size <= _MOST_LABELS:
-            for name, at_x, at_y in zip(table["sample"], x, y, strict=True):
-                _name(axes, str(name), at_x, at_y)
+            _names(axes, table["sample"], x, y)
         _label(axes, "total_precurvature_rad", figure)
 
     def paint(figure: Any) -> None:  # noqa: ANN401
@@ -60,9 +67,8 @@ def plot_front(front: Sequence[Mapping[str, Any]], bench: Mapping[str, Any], rig
             axes.plot(values("total_precurvature_rad"), values(name), ".", color=COLOURS[0], ms=4, label="front")
             x, y = (_shown(column, bench[column]) for column in ("total_precurvature_rad", name))
             axes.plot(x, y, MARKS[1], color=COLOURS[1], ms=5, label="bench")
-            for label, at_x, at_y in zip(bench["sample"], x, y, strict=True):
-                if len(bench["sample"]) <= _MOST_LABELS and np.isfinite(at_x):
-                    _name(axes, str(label), at_x, at_y)
+            if len(bench["sample"]) <= _MOST_LABELS:
+                _names(axes, bench["sample"], x, y)
             _label(axes, "total_precurvature_rad", name)
             axes.set_title(title)
         figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=2)
@@ -155,10 +161,21 @@ def _bounds(check: str, figure: str, rows: Sequence[Mapping[str, Any]]) -> bool:
     )
 
 
-def _name(axes: Any, name: str, x: float, y: float) -> None:  # noqa: ANN401
-    """Write the name of a point beside it, over lines and under points."""
+def _names(axes: Any, names: Iterable[Any], x: Any, y: Any) -> None:  # noqa: ANN401
+    """Write the names of points beside them, over lines and under points, each in a corner where no other point is."""
     clear = {"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.7}
-    axes.annotate(name, (x, y), xytext=(6, 4), textcoords="offset points", fontsize=8, bbox=clear, zorder=1.5)
+    spans = [np.nanmax(values) - np.nanmin(values) or 1.0 for values in (x, y)]
+    places = np.stack([(values - np.nanmin(values)) / span for values, span in zip((x, y), spans, strict=True)], axis=1)
+    places *= _PANEL
+    for row, name in enumerate(names):
+        if not np.all(np.isfinite(places[row])):
+            continue
+        others = np.delete(places, row, axis=0)
+        gaps = [np.nanmin(np.hypot(*(others - places[row] - middle).T), initial=_CLEAR) for _, _, middle in _CORNERS]
+        at, align, _ = _CORNERS[int(np.argmax(gaps))]  # the first that is clear
+        axes.annotate(
+            str(name), (x[row], y[row]), xytext=at, textcoords="offset points", ha=align, fontsize=8, bbox=clear, zorder=1.5
+        )
 
 
 def _label(axes: Any, x: str, y: str) -> None:  # noqa: ANN401
