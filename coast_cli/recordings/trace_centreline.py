@@ -104,7 +104,7 @@ def _longest_way(rows: NDArray[np.intp], columns: NDArray[np.intp]) -> NDArray[n
     points = np.stack([rows, columns], axis=1).astype(float)
     if len(points) < 8:
         raise BadFrame("no-tube", "no tube is seen: what stands out from the ground is not long and thin")
-    pairs = cKDTree(points).query_pairs(1.5, output_type="ndarray")
+    pairs = cKDTree(points).query_pairs(1.5, output_type="ndarray").astype(np.int32)  # as scipy 1.11 wants indices
     lengths = np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=1)
     graph = coo_array((lengths, (pairs[:, 0], pairs[:, 1])), shape=(len(points), len(points))).tocsr()
     first = dijkstra(graph, directed=False, indices=[0])[0]
