@@ -14,10 +14,15 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from coast_cli.diagnosis.answer import Diagnosis
+    from coast_cli.diagnosis.shapes.forward import Line
+    from coast_cli.diagnosis.shapes.photograph import Photograph
     from coast_cli.recordings.model import JointRun, Recordings, ShapeRun
     from coast_cli.spec.config import Config
 
     Floats = NDArray[np.float64]
+
+_DEGREE = 8  # of a polynomial in arc length: noise of points allows no more bends than that
+_UNSURE = 0.06  # of the tube, at either end, where its second derivative means nothing
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,12 +36,19 @@ class Curve:
 
 @dataclass(frozen=True, eq=False)
 class ShapeCurve:
-    """A photographed shape with both models' lines at its points: x and y in m, [2, n]; ``at``: arc length, m, [n]."""
+    """A photographed shape with both models' lines at its points: x and y in m, [2, n]; ``at``: arc length, m, [n].
+
+    Attributes:
+        curvature: of the recording, the refitted base and the corrected model, 1/m, [3, n]; NaN at the ends.
+        natural: curvature of the corrected model without any load, 1/m, in the frame of the picture; None of a pair.
+    """
 
     run: ShapeRun
     at: Floats
     base: Floats
     corrected: Floats
+    curvature: Floats
+    natural: float | None
 
 
 def curves(config: Config, recordings: Recordings, diagnosis: Diagnosis) -> list[Curve] | list[ShapeCurve]:
@@ -81,6 +93,24 @@ def _shape_curves(config: Config, recordings: Recordings, diagnosis: Diagnosis, 
     before = problem.forward.lines([(index, base) for index in jobs])
     after = corrected.forward.lines([(index, corrected.state(corrected.configured(), ())) for index in jobs])
     return [
-        ShapeCurve(shape.run, shape.at, np.stack((old.x[0], old.y[0])), np.stack((new.x[0], new.y[0])))
+        ShapeCurve(
+            run=shape.run, at=shape.at, base=np.stack((old.x[0], old.y[0])), corrected=np.stack((new.x[0], new.y[0])),
+            curvature=_curvatures(shape, old, new),
+            natural=None if shape.is_pair else shape.upward * corrected.natural[shape.tubes[0][0]],
+        )
         for shape, old, new in zip(problem.photographs, before, after, strict=True)
-    ]
+    ]  # fmt: skip
+
+
+def _curvatures(shape: Photograph, base: Line, corrected: Line) -> Floats:
+    """Return curvatures along the tube: of the models by their angle, of the recording by that and the slope it misses."""
+    from coast_cli.diagnosis.shapes.forward import misfit
+
+    fitted = np.polynomial.Chebyshev.fit
+    degree = min(_DEGREE, max(len(shape.run) // 6, 2))
+    angles = [np.unwrap(np.arctan2(line.along_y[0], line.along_x[0])) for line in (base, corrected)]
+    smooth = [fitted(shape.at, angle, degree).deriv()(shape.at) for angle in angles]
+    missed = fitted(shape.at, misfit(shape, base)[0][0], degree).deriv(2)(shape.at)
+    found = np.stack((smooth[0] + missed, *smooth))
+    found[:, np.abs(shape.at / shape.length - 0.5) > 0.5 - _UNSURE] = np.nan
+    return found

@@ -35,18 +35,23 @@ def plot_diagnosis(answer: DiagnosisAnswer) -> Picture:
     columns = 2 if len(shown) in (2, 4) else max(min(len(shown), 3), 1)
     rows = -(-len(shown) // columns)
     bars = 0.9 + 0.24 * min(len(found.where), _MOST_BARS) if found.where else 0.0
-    heights = [height for height in (3.4 * rows, bars) if height > 0.0]
+    panel = 3.4 if not shown or isinstance(shown[0], Curve) else 4.8
+    heights = [height for height in (panel * rows, bars) if height > 0.0]
 
     def paint(figure: Any) -> None:  # noqa: ANN401
         places = list(figure.add_gridspec(max(len(heights), 1), 1, height_ratios=heights or [1.0]))
         if found.where:
             _bars(answer, figure.add_subplot(places[-1]))
         for place_, curve in zip(places[0].subgridspec(max(rows, 1), columns), shown, strict=False):
-            inner = place_.subgridspec(2, 1, height_ratios=(2, 1))
+            ratios = (2, 1) if isinstance(curve, Curve) else (2, 1, 1)
+            inner = place_.subgridspec(len(ratios), 1, height_ratios=ratios)
             upper = figure.add_subplot(inner[0])
             lower = figure.add_subplot(inner[1], sharex=upper if isinstance(curve, Curve) else None)
-            draw: Any = _run if isinstance(curve, Curve) else _shape
-            draw(curve, found, upper, lower)
+            if isinstance(curve, Curve):
+                _run(curve, found, upper, lower)
+            else:
+                _shape(curve, found, upper, lower)
+                _bend(curve, found, figure.add_subplot(inner[2], sharex=lower))
             upper.set_title(_title(curve, found))
             lower.set_ylabel("recorded - model" if isinstance(curve, Curve) else "distance (mm)")
             if curve is shown[0]:
@@ -97,7 +102,22 @@ def _shape(curve: ShapeCurve, found: Diagnosis, upper: Any, lower: Any) -> None:
     upper.set_xlabel("x (mm)")
     upper.set_ylabel("y (mm)")
     lower.axhspan(0.0, 2.0 * found.noise, color="0.9", lw=0, zorder=0)
-    lower.set_xlabel("arc length (mm)")
+    lower.tick_params(labelbottom=False)
+
+
+def _bend(curve: ShapeCurve, found: Diagnosis, axes: Any) -> None:  # noqa: ANN401
+    """Draw curvature along the tube, the natural curvature as fitted, and where the excess error lies."""
+    at = curve.at / MILLIMETRE
+    shown = 3 if found.model_effects or found.model_tubes else 2
+    for values, colour in list(zip(curve.curvature, (RECORDED, _BASE, _CORRECTED), strict=True))[:shown]:
+        axes.plot(at, values, "-", lw=1.0, color=colour)
+    if curve.natural is not None:
+        axes.axhline(curve.natural, lw=0.8, ls="--", color="black")
+    for region in found.where:
+        if region.axis == "arc_length" and region.low is not None and region.high is not None:
+            axes.axvspan(region.low, max(region.high, region.low + 0.005 * at[-1]), color=COLOURS[4], alpha=0.25, lw=0)
+    axes.set_ylabel("curvature (1/m)")
+    axes.set_xlabel("arc length (mm); dashed: natural")
 
 
 def _models(curve: Curve | ShapeCurve, found: Diagnosis) -> list[tuple[Floats, str, str]]:

@@ -217,10 +217,13 @@ def test_shapes_are_diagnosed_drawn_and_saved_alike(coast, shapes, tmp_path):
     assert load_config(tmp_path / "s.toml").outer.samples[2].natural_curvature_per_m == pytest.approx(5.5, rel=0.2)
 
 
-def test_of_both_kinds_the_joint_is_diagnosed_and_that_is_said(coast, shapes):
+def test_of_both_kinds_both_are_diagnosed(coast, shapes):
     ran = coast("diagnose", CONFIG, RECORDING, shapes, "--max-effects", "0", "--format", "json")
-    assert json.loads(ran.out)["noise"]["unit"] == "curvature_per_m"
-    assert "the shapes are not used" in ran.err
+    answer = json.loads(ran.out)
+    assert answer["noise"]["unit"] == "curvature_per_m"
+    assert answer["shapes"]["noise"]["unit"] == "shape_mm"
+    assert answer["carried_over"] == {"used": False, "without": None, "with": None}
+    assert [one["name"] for one in answer["shared"]] == ["youngs_modulus_over_configured"]
 
 
 def test_text_among_numbers_has_its_place(coast, recording):
