@@ -40,6 +40,8 @@ _OF_EXPLAINED_BY_SETS = 0.22
 # Growth of a held-out error within the noise that still counts as none.
 _HARM = 1.1
 _OF_HELD_OUT = 0.55
+# An effect of a set is needed where unseen rows are predicted worse without it, by at least this factor.
+_NEEDED = 1.01
 # A base parameter has moved when the refit gains this many nats and changes the fit by this share of the noise.
 _PARAMETERS_GAIN = 6.0
 _PARAMETERS_SIZE = 0.35
@@ -120,6 +122,9 @@ class _Judge:
             judged = base_alone.diagnosis()
             tried = f"{' + '.join(leading.ids)} fits what was fitted but does not predict what was held out"
             return replace(judged, attempts=leading.ids, reason=f"{judged.reason}; {tried}")
+        idle = self._idle_beside(leading, comparison)
+        if idle is not None:
+            return replace(self, contest=replace(contest, leading=idle)).diagnosis()
         final = self._final(leading.fit)
         vanished = _vanished(problem, final)
         if vanished:
@@ -207,6 +212,18 @@ class _Judge:
             tip_mm_refitted=tip_refitted,
             tip_mm_with_effects=tip_effects,
         )
+
+    def _idle_beside(self, leading: Hypothesis, comparison: Comparison) -> Hypothesis | None:
+        """Return the leading set less one effect, where that predicts unseen rows as well; None where all are needed."""
+        after = comparison.with_effects.held_out
+        if after is None or len(leading.ids) < 2:
+            return None
+        for part in self.contest.parts():
+            if len(part.ids) == len(leading.ids) - 1:
+                without = self._comparison(part.fit).with_effects.held_out
+                if without is not None and without <= _NEEDED * after:
+                    return part
+        return None
 
     def _carries_over(self, fitted: Fit, comparison: Comparison, floor: float) -> bool:
         """Return whether most of the improvement is there on rows that were not fitted; ``floor`` in SI.

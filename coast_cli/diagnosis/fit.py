@@ -17,7 +17,7 @@ _ROUGH_STEPS = 14
 _FINE_STEPS = 5
 # Every record has a small smooth misfit that no parameter stands for: this share of the noise, in so many shapes. It does
 # not average out with more samples, so intervals must not shrink as if it did.
-_MISFIT, _MISFIT_SHAPES = 0.13, 6.0
+_MISFIT, _MISFIT_SHAPES = 0.155, 6.0
 _SIZES_FIRST = 3  # steps in which shapes stay where they start
 _GAIN = 5e-4  # relative fall of the cost under which a fit has settled
 

@@ -38,6 +38,7 @@ class ThermalDrift(Effect):
         ),
     )
     needs = ("time",)
+    unlikely = 2.0  # a bench keeps its temperature, and three changes at once bend to anything slow
     decided_by = "the same sweep repeated at the start and at the end of an hour, slack in between"
 
     def drift(self, time: FloatArray) -> FloatArray | None:
