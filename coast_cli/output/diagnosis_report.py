@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 from coast_cli.output.diagnosis_words import (
     HEADLINES,
+    SHARED_COLUMNS,
+    carried_over,
     chance,
     gained,
     held_out,
@@ -20,6 +22,7 @@ from coast_cli.output.diagnosis_words import (
     percent,
     place,
     sentence,
+    shared_rows,
     tip,
     unit_of,
 )
@@ -47,6 +50,7 @@ def sections(answer: DiagnosisAnswer, level: int = 2) -> list[str]:
         "3. What was left out?": _what(found),
         "4. The model with it": _model(found),
         "5. Does it fit better?": _fit(found),
+        "Shared with the shapes": _shared(found),
         "Next recording": paragraph(sentence(found.next_recording) if found.next_recording else ""),
         "Notes": bullets(sentence(note) for note in (*found.notes, *answer.notes)),
         "Recording and models": _picture(answer) if found.comparison is not None else "",
@@ -89,6 +93,15 @@ def _fit(found: Diagnosis) -> str:
     said = paragraph(gained(fit)) if found.effects else ""
     errors = _table((f"RMS error ({unit_of(found)})", "train", "held out", "over noise"), levels(found))
     return said + errors + paragraph(tip(found)) + paragraph(held_out(fit))
+
+
+def _shared(found: Diagnosis) -> str:
+    if found.carried is None:
+        return ""
+    shapes = found.carried.shapes
+    said = paragraph(f"The shapes: {sentence(HEADLINES[shapes.verdict])} {carried_over(found.carried, unit_of(found))}")
+    rows = shared_rows(found.carried)
+    return said + (_table(SHARED_COLUMNS, rows) if rows else "") + (_what(shapes) if shapes.effects else "")
 
 
 def _picture(answer: DiagnosisAnswer) -> str:
