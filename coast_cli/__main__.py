@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from coast_cli.errors import CoastError, printable
+from coast_cli.output.standard_streams import to_stderr
 
 INTERNAL = 4
 _HELP = "Try `coast --help`, or --help after a command"
@@ -38,11 +39,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
         return run(list(arguments))
     except KeyboardInterrupt:
-        sys.stderr.write("coast: interrupted.\n")
+        to_stderr("coast: interrupted.")
         return 130
     except Exception as error:  # noqa: BLE001  # the one place that catches everything
         text, code = _explain(error)
-        sys.stderr.write(f"coast: {printable(text)}\n")
+        to_stderr(f"coast: {printable(text)}")
         return code
 
 

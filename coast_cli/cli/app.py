@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import nullcontext, redirect_stdout
 from importlib import import_module
+from io import StringIO
 from typing import Annotated, Any
 
 import typer
 
 from coast_cli import __version__
 from coast_cli.errors import UsageError, nearest
+from coast_cli.output.standard_streams import to_stdout
 
 INTERRUPTED = 130
 # Each command and where its function is; `coast --help` loads them all, so their modules import nothing heavy.
@@ -49,7 +52,10 @@ def run(arguments: list[str]) -> int:
     if asked is not None and asked not in COMMANDS:
         raise UsageError(f"there is no command {asked!r}. {_like(asked)} `coast --help` lists them.".replace("  ", " "))
     known = [asked] if asked in COMMANDS else list(COMMANDS)
-    code = _app(known)(args=arguments, standalone_mode=False)
+    written = StringIO()  # help and version, which typer writes without a word for a full disk
+    with redirect_stdout(written) if {"--help", "--version"} & {*arguments} else nullcontext():
+        code = _app(known)(args=arguments, standalone_mode=False)
+    to_stdout(lambda stream: stream.write(written.getvalue()))
     if code == INTERRUPTED:  # typer makes this of an interrupt, without a word
         raise KeyboardInterrupt
     return code if isinstance(code, int) else 0

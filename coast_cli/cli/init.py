@@ -16,7 +16,7 @@ def init(
     """Write the commented reference configuration; every command runs on it as it is."""
     from coast_cli.errors import UsageError
     from coast_cli.output.atomic import write_files
-    from coast_cli.output.stdout import to_stdout
+    from coast_cli.output.standard_streams import to_stdout
     from coast_cli.output.write import say
     from coast_cli.spec.load import REFERENCE, read_text
 

@@ -15,7 +15,7 @@ def schema(
     import json
 
     from coast_cli.output.atomic import write_files
-    from coast_cli.output.stdout import to_stdout
+    from coast_cli.output.standard_streams import to_stdout
     from coast_cli.spec.schema import config_schema
 
     text = json.dumps(config_schema(), indent=2) + "\n"

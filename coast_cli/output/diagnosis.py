@@ -12,7 +12,7 @@ from typing import IO, TYPE_CHECKING, Any
 
 from coast_cli.errors import UsageError
 from coast_cli.output.atomic import check_folder, check_suffix, write_files
-from coast_cli.output.stdout import to_stdout
+from coast_cli.output.standard_streams import to_stdout
 
 if TYPE_CHECKING:
     from coast_cli.diagnosis.answer import Diagnosis

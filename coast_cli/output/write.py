@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
 from functools import partial
 from importlib import import_module
@@ -12,7 +11,7 @@ from typing import Any
 from coast_cli.errors import UsageError, printable
 from coast_cli.output.answer import Answer
 from coast_cli.output.atomic import write_files
-from coast_cli.output.stdout import to_stdout
+from coast_cli.output.standard_streams import to_stderr, to_stdout
 
 FORMATS = ("table", "json", "csv")
 SUFFIXES = {".txt": "table", ".json": "json", ".csv": "csv", ".xml": "junit"}
@@ -46,7 +45,7 @@ def write_answer(
 
 def say(text: str) -> None:
     """Tell the user something that is not data, on stderr."""
-    sys.stderr.write(f"coast: {printable(text)}\n")
+    to_stderr(f"coast: {printable(text)}")
 
 
 def _format_of(path: Path, formats: Sequence[str]) -> str:

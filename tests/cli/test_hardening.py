@@ -55,8 +55,12 @@ def test_an_interrupt_is_said_and_leaves_no_half_file(tmp_path, reference, words
 
 
 @pytest.mark.parametrize(
-    "words", [("rank-pairs", "{config}"), ("rank-pairs", "{config}", "-f", "json"), ("init", "-"), ("schema",)]
-)
+    "words",
+    [
+        ("rank-pairs", "{config}"), ("rank-pairs", "{config}", "-f", "json"), ("init", "-"), ("schema",), ("--help",),
+        ("stroke", "--help"), ("--version",),
+    ],
+)  # fmt: skip
 def test_a_full_disk_behind_stdout_is_said_in_a_sentence(reference, words):
     filled = [word.format(config=reference) for word in words]
     with Path("/dev/full").open("w") as full:
@@ -64,6 +68,26 @@ def test_a_full_disk_behind_stdout_is_said_in_a_sentence(reference, words):
         stderr = ran.communicate()[1]
     assert ran.returncode == 2
     assert stderr.splitlines()[-1] == "coast: stdout cannot be written (No space left on device)."
+
+
+@pytest.mark.parametrize(("words", "code"), [(("rank-pairs", "{config}"), 0), (("rank-pairs", "nowhere.toml"), 3)])
+def test_words_that_cannot_be_written_change_no_exit_code(reference, words, code):
+    filled = [word.format(config=reference) for word in words]
+    path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
+    with Path("/dev/full").open("w") as full:
+        command = [sys.executable, "-m", "coast_cli", *filled]
+        environment = {**os.environ, "PYTHONPATH": path}
+        ran = subprocess.run(command, env=environment, stdout=subprocess.PIPE, stderr=full, check=False)
+    assert ran.returncode == code
+    assert bool(ran.stdout) == (code == 0)
+
+
+def test_help_to_a_reader_that_left_is_no_error():
+    ran = program("-m", "coast_cli", "--help", stdout=subprocess.PIPE)
+    ran.stdout.close()
+    assert ran.stderr.read() == ""
+    assert ran.wait() == 0
+    ran.stderr.close()
 
 
 def test_closed_streams_are_no_fault(reference):
