@@ -31,7 +31,7 @@ def main() -> None:
     print(f"tip of MT3: {shape.x[-1] * 1e3:.2f}, {shape.y[-1] * 1e3:.2f} mm; {shape.verdict.message}")
 
     recordings = coast.read_recordings([HERE / "diagnose" / "recording.csv"], config)
-    found, _ = coast.diagnose(config, recordings)
+    found = coast.diagnose(config, recordings)
     for effect in found.effects:
         print(f"{found.verdict}: {effect.id}, confidence {effect.confidence:.0%}")
         for name, value in effect.parameters.items():

@@ -60,13 +60,11 @@ def diagnose(
     document = load_config(config)
     read = read_recordings(recordings, document, columns=renamed_columns(columns), pair=pair, bending_length_mm=x2)
     with waiting(f"diagnosing {', '.join(read.run_names[:3])}{' ...' if len(read.run_names) > 3 else ''}"):
-        found, notes = diagnosis_of(document, read, named_hold_out=hold_out or (), most_effects=max_effects)
+        found = diagnosis_of(document, read, named_hold_out=hold_out or (), most_effects=max_effects)
     options = {"max_effects": max_effects, "hold_out": list(hold_out or ())}
     origin = provenance(document, recordings=read.sources, options=options, seed=seed)
-    for note in (*read.notes, *notes):
+    for note in read.notes:
         say(f"note: {note}")
-    carried = found.carried
-    used = document if carried is None or carried.config is None else carried.config
-    write_diagnosis(DiagnosisAnswer(found, used, read, origin, (*read.notes, *notes)), outputs)
-    agrees = found.verdict == "agrees" and (carried is None or carried.shapes.verdict == "agrees")
+    write_diagnosis(DiagnosisAnswer(found, found.config_used(document), read, origin, read.notes), outputs)
+    agrees = found.verdict == "agrees" and (found.carried is None or found.carried.shapes.verdict == "agrees")
     return 1 if fail_on_mismatch and not agrees else 0

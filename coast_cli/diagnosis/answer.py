@@ -98,6 +98,10 @@ class Diagnosis:
     model_tubes: Mapping[str, float | list[float]] = field(default_factory=dict)
     carried: Carried | None = None
 
+    def config_used(self, config: Config) -> Config:
+        """Return the configuration that was diagnosed: as given, or corrected by what shapes taught."""
+        return config if self.carried is None or self.carried.config is None else self.carried.config
+
 
 @dataclass(frozen=True, slots=True)
 class Shared:

@@ -36,13 +36,8 @@ def hold_out(runs: Sequence[JointRun], named: Sequence[str] = ()) -> HoldOut:
         BadInput: a named run does not exist, or every run is named.
     """
     names = [run.name for run in runs]
-    for name in named:
-        if name not in names:
-            raise BadInput("there is no such run", key="--hold-out", found=name, allowed=", ".join(names),
-                           hint=nearest(name, names))  # fmt: skip
+    check_named(names, named)
     if named:
-        if len(set(named)) == len(names):
-            raise BadInput("every run is held out, so none is left to fit", key="--hold-out", allowed="some of the runs")
         return _whole(runs, tuple(name for name in names if name in set(named)), "the runs named", chosen=False)
     if len(runs) >= 3:
         found = _expendable(runs)
@@ -50,6 +45,20 @@ def hold_out(runs: Sequence[JointRun], named: Sequence[str] = ()) -> HoldOut:
             rule = "the last runs whose bending length, pair and directions other runs also hold, a quarter at most"
             return _whole(runs, found, rule, chosen=True)
     return _after_first_cycle(runs) or _blocks(runs)
+
+
+def check_named(names: Sequence[str], named: Sequence[str]) -> None:
+    """Refuse runs to hold out that do not exist, and all of them at once.
+
+    Raises:
+        BadInput: says which.
+    """
+    for name in named:
+        if name not in names:
+            raise BadInput("there is no such run", key="--hold-out", found=name, allowed=", ".join(names),
+                           hint=nearest(name, names))  # fmt: skip
+    if named and len(set(named)) == len(names):
+        raise BadInput("every run is held out, so none is left to fit", key="--hold-out", allowed="some of the runs")
 
 
 def _whole(runs: Sequence[JointRun], names: tuple[str, ...], rule: str, *, chosen: bool) -> HoldOut:

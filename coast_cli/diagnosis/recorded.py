@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
 def diagnose(
     config: Config, recordings: Recordings, *, named_hold_out: Sequence[str] = (), most_effects: int = 5
-) -> tuple[Diagnosis, tuple[str, ...]]:
-    """Return the diagnosis of a call's recordings, and notes on what of them was not used.
+) -> Diagnosis:
+    """Return the diagnosis of a call's recordings.
 
     Raises:
         BadInput: joint runs of several kinds in one call, or a run to hold out does not exist.
@@ -30,15 +30,15 @@ def diagnose(
         if recordings.shape is not None:
             from coast_cli.diagnosis.together import diagnose_together
 
-            return diagnose_together(config, recordings, named_hold_out=named_hold_out, most_effects=most_effects), ()
-        return diagnose_joint(config, recordings.joint.runs, named_hold_out=named_hold_out, most_effects=most_effects), ()
+            return diagnose_together(config, recordings, named_hold_out=named_hold_out, most_effects=most_effects)
+        return diagnose_joint(config, recordings.joint.runs, named_hold_out=named_hold_out, most_effects=most_effects)
     if recordings.shape is not None:
         from coast_cli.diagnosis.shapes import diagnose_shapes
 
         found: Diagnosis = diagnose_shapes(
             config, recordings.shape.runs, named_hold_out=named_hold_out, most_effects=most_effects
         )
-        return found, ()
+        return found
     raise BadInput("no recording given", allowed="one or more CSV files")
 
 

@@ -166,5 +166,5 @@ def _diagnosis(config: Config, recordings: Recordings, wanted: Wanted, origin: M
     from coast_cli.output.diagnosis import DiagnosisAnswer
 
     with waiting(f"diagnosing {', '.join(recordings.run_names[:3])}"):
-        found, notes = diagnose(config, recordings, named_hold_out=wanted.hold_out)
-    return DiagnosisAnswer(found, config, recordings, origin, (*recordings.notes, *notes))
+        found = diagnose(config, recordings, named_hold_out=wanted.hold_out)
+    return DiagnosisAnswer(found, found.config_used(config), recordings, origin, recordings.notes)

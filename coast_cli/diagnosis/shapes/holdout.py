@@ -6,9 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from coast_cli.diagnosis.holdout import HoldOut
+from coast_cli.diagnosis.holdout import HoldOut, check_named
 from coast_cli.diagnosis.shapes.photograph import Photograph
-from coast_cli.errors import BadInput, nearest
 
 _BLOCKS = 8
 _SHORTEST_FOR_BLOCKS = 32
@@ -21,13 +20,8 @@ def hold_out_photographs(photographs: Sequence[Photograph], named: Sequence[str]
         BadInput: a named run does not exist, or every run is named.
     """
     names = [photograph.run.name for photograph in photographs]
-    for name in named:
-        if name not in names:
-            raise BadInput("there is no such run", key="--hold-out", found=name, allowed=", ".join(names),
-                           hint=nearest(name, names))  # fmt: skip
+    check_named(names, named)
     if named:
-        if len(set(named)) == len(names):
-            raise BadInput("every run is held out, so none is left to fit", key="--hold-out", allowed="some of the runs")
         return _whole(photographs, set(named), "the runs named", chosen=False)
     spared = _expendable(photographs) if len(photographs) >= 3 else set()
     if spared:

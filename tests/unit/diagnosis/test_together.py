@@ -117,8 +117,8 @@ def _diagnosed(tmp_path, *, in_shapes=DEEPER, in_strokes=DEEPER, pairs=(("OT4", 
     _strokes(tmp_path / "joint.csv", in_strokes, pairs)
     config = _config()
     read = read_recordings([tmp_path / "joint.csv", tmp_path / "shape.csv"], config)
-    found, notes = diagnose(config, read, named_hold_out=["OT4MT135"])
-    return config, read, found, notes
+    found = diagnose(config, read, named_hold_out=["OT4MT135"])
+    return config, read, found
 
 
 @pytest.fixture(scope="module")
@@ -154,8 +154,8 @@ def test_both_measure_the_depth_and_agree(deeper):
 
 
 def test_page_and_json_show_both(deeper):
-    _, read, found, notes = deeper
-    answer = DiagnosisAnswer(found, found.carried.config, read, {}, notes)
+    _, read, found = deeper
+    answer = DiagnosisAnswer(found, found.carried.config, read, {}, read.notes)
     page = StringIO()
     render(answer, page)
     assert "The shapes of the same call" in page.getvalue()
@@ -169,8 +169,8 @@ def test_page_and_json_show_both(deeper):
 
 def test_the_report_shows_both(deeper):
     pytest.importorskip("matplotlib", reason="not here: matplotlib, which draws the report")
-    _, read, found, notes = deeper
-    page = report(DiagnosisAnswer(found, found.carried.config, read, {}, notes))
+    _, read, found = deeper
+    page = report(DiagnosisAnswer(found, found.carried.config, read, {}, read.notes))
     assert "Shared with the shapes" in page
     assert "notch_depth_error.depth_um" in page
 
@@ -179,7 +179,7 @@ def test_the_saved_model_has_the_depth_and_serves_both(deeper):
     from coast_cli.diagnosis.compare import compare
     from coast_cli.diagnosis.model_file import model_text
 
-    config, read, found, _ = deeper
+    config, read, found = deeper
     saved = load_config_text(model_text(found.carried.config, found, read), "model.toml")
     before, after = (compare(one, read).rows()[-1] for one in (config, saved))
     assert after["rmse_curvature_per_m"] < 0.3 * before["rmse_curvature_per_m"]
