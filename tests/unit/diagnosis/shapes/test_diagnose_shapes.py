@@ -150,8 +150,8 @@ def test_what_is_found_in_the_tubes_is_saved_as_numbers_of_the_tubes(kind):
     corrected = load_config_text(model_text(config, found, recordings), "model.toml")
     assert "notch_end_effect" not in corrected.corrections
     assert all(sample.end_effect > 0.05 for sample in corrected.middle.samples)
-    after = {row["run"]: row["rmse_shape_mm"] for row in compare(corrected, recordings).rows()}
-    held = np.sqrt(np.mean([after[name] ** 2 for name in named]))
+    rows = [row for row in compare(corrected, recordings).rows() if row["run"] in named]
+    held = np.sqrt(sum(row["n"] * row["rmse_shape_mm"] ** 2 for row in rows) / sum(row["n"] for row in rows))
     assert held == pytest.approx(found.comparison.with_effects.held_out, rel=0.02)
 
 
