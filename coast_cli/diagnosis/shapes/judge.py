@@ -88,15 +88,17 @@ class _Judge:
         noise = min(self.floor, leading.fit.rmse)
         unexplained = leftover.size > _OF_NOISE * noise and leftover.size > _OF_EXPLAINED * explained
         comparison = self._comparison(leading.fit)
+        reason = ""
         if leading.ids and not self._holds(comparison):
             unexplained = True
+            reason = f"{' + '.join(leading.ids)} fits what was fitted but does not predict what was held out"
         rivals = contest.alternatives()
         verdict = self._verdict(rivals, unexplained=unexplained)
         named = bool(leading.ids) and not unexplained
         final = self._final(contest.base.fit if unexplained else leading.fit)
         return Diagnosis(
             verdict=verdict,
-            reason=self._reason(verdict, leftover),
+            reason=reason or self._reason(verdict, leftover),
             noise=noise / MILLIMETRE,
             noise_unit=UNIT,
             where=() if verdict == "agrees" else self._where(final, named=named),
