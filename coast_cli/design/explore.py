@@ -123,11 +123,13 @@ class _Study:
         self._chunks: dict[tuple[Role, int, int], _Chunk] = {}
 
     def shares(self, role: Role) -> FloatArray:
-        """Return the shares of every sampled tube of a role."""
+        """Return the shares of every sampled tube of a role, like patterns together: a block then merges few pieces."""
         if role not in self._shares:
             part, explore = self.space.role(role), self.space.explore
             sampled = explore.sampling == "sobol" and part.axes > 0
-            self._shares[role] = _sobol(part.axes, explore, role) if sampled else part.grid()
+            found = _sobol(part.axes, explore, role) if sampled else part.grid()
+            values = part.values(found)
+            self._shares[role] = found[np.lexsort([values[key] for key in ("uncut_mm", "cut_mm", "count")])]
         return self._shares[role]
 
     def chunk(self, role: Role, number: int, size: int) -> _Chunk:

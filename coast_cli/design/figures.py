@@ -7,6 +7,7 @@ constant, so (8) is the rigidity-weighted mean of the tubes' own turns. ``mechan
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from coast_cli.mechanics.joint import Joint
 
 BLOCK = 2048  # tubes solved at a time, so that their rows stay in the processor's cache
-_PAIRS = 256  # pairs merged at a time
+_PAIRS = 64  # pairs merged at a time, so that they stay in the processor's cache
 _TOGETHER = 1 << 18  # pairs times pieces at once where pieces are shared
 _WORTH_SHARING = 16  # pairs a group of patterns, from which on merging once is faster
 
@@ -51,6 +52,11 @@ class BentTubes:
     rigidity_series: FloatArray
     across: FloatArray
     converged: NDArray[np.bool_]
+
+    @cached_property
+    def ends(self) -> FloatArray:
+        """End of every piece from the clamp, m."""
+        return np.cumsum(self.length, axis=1)
 
 
 def bent(tubes: TubePopulation, gravity: float, *, roll: FloatArray | float = 0.0) -> BentTubes:
@@ -125,16 +131,16 @@ def _merge_alike(
     columns: dict[str, FloatArray],
 ) -> None:
     """Integrate over pairs whose outer tubes share one pattern and whose middle tubes share another."""
-    length, one, two = (table[0] for table in _common_pieces(outer.length[ones[:1]], middle.length[twos[:1]]))
+    length, one, two = (table[0] for table in _common_pieces(outer.ends[ones[:1]], middle.ends[twos[:1]]))
     there = length > 0.0
     length, one, two = length[there], one[there], two[there]
-    stiff, bent_by = outer.rigidity[np.ix_(ones, one)], outer.bend[np.ix_(ones, one)]
+    stiff, bent_by = outer.rigidity[ones[:, None], one], outer.bend[ones[:, None], one]
     step = max(1, _TOGETHER // (ones.size * length.size))
     for start in range(0, twos.size, step):
         some = twos[start : start + step]
-        rigidity = stiff + middle.rigidity[np.ix_(some, two)][:, None, :]
-        turn = (bent_by + middle.bend[np.ix_(some, two)][:, None, :]) / rigidity
-        here = np.ix_(some, ones)
+        rigidity = stiff + middle.rigidity[some[:, None, None], two]
+        turn = (bent_by + middle.bend[some[:, None, None], two]) / rigidity
+        here = some[:, None], ones
         columns["signed_precurvature_rad"][here] = turn @ length
         columns["total_precurvature_rad"][here] = np.abs(turn, out=turn) @ length
         columns["total_rigidity_mean_n_m2"][here] = rigidity @ length / length.sum()
@@ -149,40 +155,41 @@ def _merge(
     columns: dict[str, FloatArray],
 ) -> None:
     """Integrate over the merged pieces of a few pairs."""
-    length, one, two = _common_pieces(outer.length[first], middle.length[second])
-    overlap = length.sum(axis=1)
-    stiff = (
-        np.take_along_axis(outer.rigidity[first], one, axis=1),
-        np.take_along_axis(middle.rigidity[second], two, axis=1),
-    )
+    length, one, two = _common_pieces(outer.ends[first], middle.ends[second])
+    one += first[:, None] * outer.length.shape[1]
+    two += second[:, None] * middle.length.shape[1]
+    stiff = np.take(outer.rigidity, one, mode="clip"), np.take(middle.rigidity, two, mode="clip")
     rigidity = stiff[0] + stiff[1]
-    bend = np.take_along_axis(outer.bend[first], one, axis=1) + np.take_along_axis(middle.bend[second], two, axis=1)
-    turn = bend / rigidity * length
-    columns["signed_precurvature_rad"][:] = turn.sum(axis=1)
+    share = length / rigidity
+    bend = np.take(outer.bend, one, mode="clip") + np.take(middle.bend, two, mode="clip")
+    columns["signed_precurvature_rad"][:] = np.einsum("ij,ij->i", bend, share)
     if np.any(outer.across[first]) or np.any(middle.across[second]):
-        across = stiff[0] * outer.across[first, None] + stiff[1] * middle.across[second, None]
-        turn = np.hypot(turn, across / rigidity * length)
-    columns["total_precurvature_rad"][:] = np.abs(turn, out=turn).sum(axis=1)
-    columns["total_rigidity_mean_n_m2"][:] = (rigidity * length).sum(axis=1) / overlap
-    columns["total_rigidity_series_n_m2"][:] = overlap / (length / rigidity).sum(axis=1)
+        bend = np.hypot(bend, stiff[0] * outer.across[first, None] + stiff[1] * middle.across[second, None])
+    columns["total_precurvature_rad"][:] = np.einsum("ij,ij->i", np.abs(bend, out=bend), share)
+    overlap = length.sum(axis=1)
+    columns["total_rigidity_mean_n_m2"][:] = np.einsum("ij,ij->i", rigidity, length) / overlap
+    columns["total_rigidity_series_n_m2"][:] = overlap / share.sum(axis=1)
 
 
 def _common_pieces(outer: FloatArray, middle: FloatArray) -> tuple[FloatArray, NDArray[np.int64], NDArray[np.int64]]:
     """Return the lengths of the merged pieces of each pair (m), and which piece of either tube each lies in.
 
     Args:
-        outer, middle: lengths of the pieces of each tube, shape (pairs, pieces); merged ones past the overlap are 0 long.
+        outer, middle: ends of the pieces of each tube, m, shape (pairs, pieces). Merged pieces past the overlap are 0
+            long, and there the piece of a tube may be one past its last.
     """
-    ends = [np.cumsum(length, axis=1) for length in (outer, middle)]
-    overlap = np.minimum(ends[0][:, -1], ends[1][:, -1])
-    merged = np.concatenate(ends, axis=1)
+    overlap = np.minimum(outer[:, -1:], middle[:, -1:])
+    outer, middle = (ends[:, : int((ends < overlap).sum(axis=1).max()) + 1] for ends in (outer, middle))
+    merged = np.concatenate((outer, middle), axis=1)
     order = np.argsort(merged, axis=1, kind="stable")  # two rising runs, which a stable sort merges
-    nodes = np.minimum(np.take_along_axis(merged, order, axis=1), overlap[:, None])
-    length = np.diff(nodes, axis=1, prepend=0.0)
-    of_outer = order < ends[0].shape[1]
-    one = np.cumsum(of_outer, axis=1) - of_outer  # pieces of the outer tube that end before this one begins
-    two = np.arange(order.shape[1]) - one
-    return length, np.minimum(one, outer.shape[1] - 1), np.minimum(two, middle.shape[1] - 1)
+    place, width = np.arange(merged.shape[1]), merged.shape[1]
+    nodes = np.take(merged, order + width * np.arange(len(merged))[:, None])
+    np.minimum(nodes, overlap, out=nodes)
+    length = nodes.copy()
+    length[:, 1:] -= nodes[:, :-1]
+    own = outer.shape[1]
+    one = np.where(order < own, order, place + own - order)  # pieces of the outer tube that end before this one begins
+    return length, one, place - one
 
 
 def point_figures(

@@ -1,5 +1,7 @@
 """Exploring: the front against brute force, streams that resume, the same answer whoever does the work."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -195,3 +197,42 @@ def test_processes_give_the_same_blocks(reference_text):
         assert {name: column.tobytes() for name, column in one.columns.items()} == {
             name: column.tobytes() for name, column in two.columns.items()
         }
+
+
+@pytest.mark.parametrize("step", ["", ", step = 0.15"], ids=["patterns of their own", "shared patterns"])
+def test_every_pair_of_two_blocks_is_that_pair_alone(reference_text, step):
+    """Blocks are cut from tubes in the order of their patterns, so each block holds few of them."""
+    cuts = f"cut_mm = {{ min = 0.20, max = 0.50{step} }}\nlength_mm = "
+    table = SOBOL.replace("64", "6").replace("[explore.middle]", f"{cuts}112.8\n[explore.middle]") + f"{cuts}75.0\n"
+    text = text_with(reference_text, table)
+    design = build(load_config_text(text))
+    columns = [explore_block(task).columns for task in tasks(text, "test.toml", 3)]
+    assert len(columns) == 4
+    every = {name: np.concatenate([part[name] for part in columns]) for name in columns[0]}
+    assert sorted(zip(every["outer"], every["middle"], strict=True)) == [(i, k) for i in range(1, 7) for k in range(1, 7)]
+    counts = [every["outer_count"][every["outer"] == number][0] for number in range(1, 7)]
+    assert counts == sorted(counts)
+    for row in range(36):
+        outer, middle = (
+            made(sample, samples, {key: every[f"{role}_{key}"][row] for key in ("depth_mm", "cut_mm", "count")}, sign)
+            for role, sample, samples, sign in (
+                ("outer", design.outer[0], design.config.outer.samples, 1.0),
+                ("middle", design.middle[0], design.config.middle.samples, -1.0),
+            )
+        )
+        alone = pair_figures(outer, middle, design.gravity)
+        found = [every[name][row] for name in ("total_precurvature_rad", "rigidity_ratio_mean", "total_rigidity_series_n_m2")]
+        np.testing.assert_allclose(found, [alone.total_precurvature, alone.ratio_mean, alone.total_series], rtol=1e-9)
+
+
+def made(tube, samples, values, sign):
+    """A sample with another notch, its natural curvature interpolated."""
+    known = sorted((sample.depth_mm, sample.natural_curvature_per_m) for sample in samples)
+    one = np.ones(int(values["count"]))
+    return replace(
+        tube,
+        depth=values["depth_mm"] * 1e-3 * one,
+        cut=values["cut_mm"] * 1e-3 * one,
+        uncut=tube.uncut[0] * one,
+        natural_curvature=sign * float(np.interp(values["depth_mm"], *zip(*known, strict=True))),
+    )
