@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from coast_cli.recordings.trace_distance import edge_distance
 from coast_cli.recordings.trace_image import BadFrame
 
 if TYPE_CHECKING:
@@ -70,15 +71,15 @@ def medial_path(silhouette: Silhouette) -> Path:
     Raises:
         BadFrame: a second object crosses or touches the tube (``two-tubes``), or the object is not slender.
     """
-    from scipy.ndimage import distance_transform_edt, label
+    from scipy.ndimage import label
     from skimage.morphology import skeletonize
 
     mask = np.pad(silhouette.mask, 1)
-    distance = distance_transform_edt(mask)
+    distance = edge_distance(mask)
     radius = float(np.median(distance[skeletonize(mask)]))
     thin = 0.4 * radius  # hairs and tendons; they go by a morphological opening
-    mask = distance_transform_edt(distance <= thin) <= thin
-    distance = distance_transform_edt(mask)
+    mask = edge_distance(distance <= thin) <= thin
+    distance = edge_distance(mask)
     ridge = skeletonize(mask) & (distance < 2.5 * radius)  # a fixture that holds the tube is thicker
     pieces, _ = label(ridge, structure=np.ones((3, 3)))
     lengths = np.bincount(pieces[ridge], minlength=2)

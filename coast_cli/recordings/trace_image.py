@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from PIL.Image import Image
 
-LARGEST = 50_000_000  # pixels; tracing takes about fifty bytes for each
+LARGEST = 25_000_000  # pixels; tracing takes up to forty bytes for each
 
 
 class BadFrame(BadInput):

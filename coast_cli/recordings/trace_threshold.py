@@ -11,9 +11,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from coast_cli.recordings.trace_distance import edge_distance
 from coast_cli.recordings.trace_image import BadFrame
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from numpy.typing import NDArray
 
     Floats = NDArray[np.float64]
@@ -65,9 +68,9 @@ def find_silhouette(levels: Image) -> Silhouette:
     difference, glare = flatten_light(levels)
     found: list[tuple[float, Silhouette]] = []
     errors: list[BadFrame] = []
-    for scaled, sign, weight in _polarities(difference):
+    for mask, sign, weight in _polarities(difference):
         try:
-            found.append((weight, _one_tube(scaled, np.float32(sign) * difference, glare & (sign < 0))))
+            found.append((weight, _one_tube(mask, np.float32(sign) * difference, glare & (sign < 0))))
         except BadFrame as error:
             errors.append(error)
     if found:
@@ -118,7 +121,8 @@ def flatten_light(levels: Image, *, order: int = 3, cells: int = 96) -> tuple[Im
     matrix = np.zeros((order + 1, order + 1), dtype=np.float32)
     for (i, j), value in zip(powers, coefficients, strict=True):
         matrix[i, j] = value
-    ground = np.vander(full_y, order + 1, increasing=True) @ matrix @ np.vander(full_x, order + 1, increasing=True).T
+    y_powers, x_powers = (np.vander(full, order + 1, increasing=True).astype(np.float32) for full in (full_y, full_x))
+    ground = y_powers @ matrix @ x_powers.T
     np.minimum(ground, np.float32(top), out=ground)
     flat: Image = levels - ground
     glare: Mask = (uniform_filter(levels, 5) >= 0.985 * top) & (ground < 0.94 * top)
@@ -128,24 +132,28 @@ def flatten_light(levels: Image, *, order: int = 3, cells: int = 96) -> tuple[Im
     return flat, glare
 
 
-def _polarities(difference: Image) -> list[tuple[Image, float, float]]:
-    """Return the difference over its local contrast, its sign and what stands out of the noise; the stronger first."""
+def _polarities(difference: Image) -> Iterator[tuple[Mask, float, float]]:
+    """Give where the difference over its local contrast stands out, its sign and how much; the stronger first."""
     from scipy.ndimage import gaussian_filter
 
     smooth = gaussian_filter(difference, 1.0)
     sample = smooth[:: max(smooth.shape[0] // 500, 1), :: max(smooth.shape[1] // 500, 1)]
-    noise = max(1.4826 * float(np.median(np.abs(sample - np.median(sample)))), 1e-7 * float(np.abs(smooth).max()))
-    pairs = []
+    most = max(float(smooth.max()), -float(smooth.min()))
+    noise = max(1.4826 * float(np.median(np.abs(sample - np.median(sample)))), 1e-7 * most)
+    floor = np.float32(NOISE_FACTOR * noise)
+    found = []
     for sign in (-1.0, 1.0):
-        contrast = np.asarray(sign * smooth, dtype=np.float32)
-        seen = contrast[contrast > NOISE_FACTOR * noise]
-        if seen.size < 64:
-            continue
-        local = _local_contrast(contrast, float(np.percentile(seen, 75)))
-        floor = np.float32(NOISE_FACTOR * noise)
-        scaled = np.asarray(contrast / np.maximum(local, floor / np.float32(SHARE)), dtype=np.float32)
-        pairs.append((scaled, sign, float(seen.sum())))
-    return sorted(pairs, key=lambda pair: -pair[2])
+        seen = np.abs(smooth[smooth * np.float32(sign) > NOISE_FACTOR * noise])
+        if seen.size >= 64:
+            found.append((float(seen.sum()), sign, float(np.percentile(seen, 75))))
+        del seen  # it may be most of the photograph
+    for weight, sign, typical in sorted(found, key=lambda one: -one[0]):
+        yield _standing_out(np.float32(sign) * smooth, typical, floor), sign, weight
+
+
+def _standing_out(contrast: Image, typical: float, floor: np.float32) -> Mask:
+    local = _local_contrast(contrast, typical)
+    return np.asarray(contrast / np.maximum(local, floor / np.float32(SHARE)) > SHARE)
 
 
 def _local_contrast(contrast: Image, typical: float, *, cells: int = 64) -> Image:
@@ -164,8 +172,7 @@ def _local_contrast(contrast: Image, typical: float, *, cells: int = 64) -> Imag
     return np.asarray(full[:rows, :columns], dtype=np.float32)
 
 
-def _one_tube(scaled: Image, contrast: Image, glare: Mask) -> Silhouette:
-    mask = scaled > SHARE
+def _one_tube(mask: Mask, contrast: Image, glare: Mask) -> Silhouette:
     rows = np.flatnonzero(mask.any(axis=1))
     columns = np.flatnonzero(mask.any(axis=0))
     if rows.size < 3 or columns.size < 3 or mask.mean() > 0.6:
@@ -191,11 +198,10 @@ def _shrink_factor(mask: Mask) -> tuple[int, float]:
 
 def _ridge(mask: Mask) -> Floats:
     """Return the distance to the edge along the skeleton of a mask, without what is thinner than two pixels."""
-    from scipy.ndimage import distance_transform_edt
     from skimage.morphology import skeletonize
 
     padded = np.pad(mask, 1)
-    ridge: Floats = np.asarray(distance_transform_edt(padded), dtype=float)[skeletonize(padded)]
+    ridge = edge_distance(padded)[skeletonize(padded)]
     thick = ridge[ridge > 1.0]
     return thick if thick.size > 20 else np.maximum(ridge, 1.0)
 
@@ -217,12 +223,12 @@ def _shrunk(mask: Mask, factor: int) -> Mask:
 
 def _closed(mask: Mask, radius: float) -> Mask:
     """Morphological closing by a disc (two distance transforms), and holes no larger than a few discs filled."""
-    from scipy.ndimage import binary_fill_holes, distance_transform_edt, label
+    from scipy.ndimage import binary_fill_holes, label
 
     margin = int(radius) + 2
     padded = np.pad(mask, margin)
-    grown = distance_transform_edt(~padded) <= radius
-    closed = distance_transform_edt(grown) > radius
+    grown = edge_distance(~padded) <= radius
+    closed = edge_distance(grown) > radius
     holes, count = label(binary_fill_holes(closed) & ~closed)
     if count:
         small = np.bincount(holes.ravel()) < 30 * radius**2
@@ -233,7 +239,7 @@ def _closed(mask: Mask, radius: float) -> Mask:
 
 def _slender_component(mask: Mask, shrink: int) -> Mask:
     """Return the one long thin component of a mask with filled notches."""
-    from scipy.ndimage import distance_transform_edt, find_objects, label
+    from scipy.ndimage import find_objects, label
 
     labels, count = label(mask, structure=np.ones((3, 3)))
     area = np.bincount(labels.ravel(), minlength=count + 1)
@@ -255,7 +261,7 @@ def _slender_component(mask: Mask, shrink: int) -> Mask:
     length, width, main = tubes[0]
     rivals = [tube for tube in tubes[1:] if tube[0] > max(0.25 * length, 5 * width) and tube[1] > 0.5 * width]
     if rivals:
-        gap = float(distance_transform_edt(labels != main)[labels == rivals[0][2]].min()) * shrink
+        gap = float(edge_distance(labels != main)[labels == rivals[0][2]].min()) * shrink
         message = f"two long thin objects are seen, {gap:.0f} pixels apart where they are nearest"
         raise BadFrame("two-tubes", message, hint="Crop to one tube; if it is one, shade the glare that breaks it.")
     return np.asarray(labels == main)
