@@ -38,7 +38,7 @@ CELLS = [
     "run",
 ]  # fmt: skip
 HEADERS = [
-    "run", "time_s", "outer", "middle", "tube", "natural", "bending_length_mm", "bending_length_um", "stroke_mm", "stroke_m",
+    "run", "s_mm", "arc_length_m", "kappa_per_mm", "kappa", "x_m", "time_s", "outer", "middle", "tube", "natural", "bending_length_mm", "bending_length_um", "stroke_mm", "stroke_m",
     "tension_n", "tension_mn", "curvature_per_m", "curvature_per_mm", "bend_deg", "bend_rad", "notch_1_deg", "notch_2_deg",
     "notch_0_deg", "notch_" + "9" * 5000 + "_deg", "x_mm", "y_mm", "x_um", "frame", "stroke", "bend_furlong", "", '"', "é" * 50,
 ]  # fmt: skip
@@ -208,6 +208,13 @@ def mutate_csv(data: bytes, chance: random.Random) -> bytes:
     return ending.join(separator.join(row) for row in rows).encode("utf-8", "replace")
 
 
+def _path_seeds() -> list[bytes]:
+    branch = (ROOT / "examples" / "path" / "branch.csv").read_text(encoding="utf-8")
+    points = "x_mm,y_mm\n" + "".join(f"{2.0 * i},{0.002 * (2.0 * i) ** 2:.4f}\n" for i in range(20))
+    metres = "kappa_per_m;arc_length_m;run\n0;0;a\n0;0,02;a\n30;0,03;a\n-30;0,04;a\n"
+    return [text.encode() for text in (branch, points, metres)]
+
+
 def _image_seeds() -> list[bytes]:
     from tests.rendered_tube import Scene, Tube
 
@@ -346,6 +353,15 @@ TARGETS = {
         ),
         _model_seeds,
         mutate_toml,
+    ),
+    "path": Target(
+        ".csv",
+        (
+            ("path", str(CONFIG), "--path", "{file}", *JSON),
+            ("path", str(CONFIG), "--path", "{file}", "--back", "--points", "7", "--within", "0.1", *JSON),
+        ),
+        _path_seeds,
+        mutate_csv,
     ),
     "protocol": Target(
         ".csv",
