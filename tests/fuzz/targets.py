@@ -38,7 +38,8 @@ CELLS = [
     "run",
 ]  # fmt: skip
 HEADERS = [
-    "run", "s_mm", "arc_length_m", "kappa_per_mm", "kappa", "x_m", "time_s", "outer", "middle", "tube", "natural", "bending_length_mm", "bending_length_um", "stroke_mm", "stroke_m",
+    "s_mm", "arc_length_m", "kappa_per_mm", "kappa", "x_m",
+    "run", "time_s", "outer", "middle", "tube", "natural", "bending_length_mm", "bending_length_um", "stroke_mm", "stroke_m",
     "tension_n", "tension_mn", "curvature_per_m", "curvature_per_mm", "bend_deg", "bend_rad", "notch_1_deg", "notch_2_deg",
     "notch_0_deg", "notch_" + "9" * 5000 + "_deg", "x_mm", "y_mm", "x_um", "frame", "stroke", "bend_furlong", "", '"', "é" * 50,
 ]  # fmt: skip
