@@ -227,6 +227,9 @@ def _check_fits(config: Config) -> None:
 def _check_limits(config: Config) -> None:
     if config.checks is None:
         return
+    if all(limit is None for _, limit in config.checks):
+        allowed = f"one or more of {', '.join(type(config.checks).model_fields)}"
+        raise config.refuse(("checks",), "no limit is given", allowed=allowed)
     ratio: RatioLimits | None = config.checks.rigidity_ratio
     if ratio is not None:
         if ratio.min is None and ratio.max is None:

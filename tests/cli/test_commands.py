@@ -267,6 +267,10 @@ def test_check_without_checks_is_bad_input(coast, reference_text, tmp_path):
     ran = coast("check", config)
     assert ran.code == 3
     assert "no [checks] table" in ran.err
+    config.write_text(reference_text[: reference_text.index("[checks]")] + "[checks]\n")
+    ran = coast("check", config)
+    assert (ran.code, ran.out) == (3, "")
+    assert "checks: no limit is given" in ran.err
 
 
 def test_validate_takes_many_files_and_says_what_is_wrong(coast, reference, edited, tmp_path):

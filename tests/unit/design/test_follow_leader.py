@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+from scipy.integrate import solve_ivp, trapezoid
 
 from coast_cli.design.follow_leader import Body, deviation, follow_path, nearest_body
 from coast_cli.recordings.planar_path import path_of_curvature
@@ -80,7 +80,7 @@ def test_deviation_is_the_distance_at_equal_arc_length_along_the_body_so_far():
     for row, tip in enumerate(feed):
         distance = found.distance(followed, np.linspace(0.0, tip, 20001))
         assert largest[row] == pytest.approx(distance.max(), abs=1e-9)
-        assert mean[row] == pytest.approx(np.sqrt(np.trapezoid(distance**2) / 20000.0), abs=1e-9)
+        assert mean[row] == pytest.approx(np.sqrt(trapezoid(distance**2) / 20000.0), abs=1e-9)
     assert (np.diff(largest) >= 0.0).all()
 
 
