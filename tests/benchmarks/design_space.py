@@ -33,6 +33,7 @@ depth_mm = {{ min = 0.314, max = 0.400 }}
 depth_mm = {{ min = 0.243, max = 0.287 }}
 """
 CUTS = "cut_mm = { min = 0.2, max = 0.4 }\n"
+STEPPED = CUTS.replace(" }", ", step = 0.05 }")
 
 
 def timed(function):
@@ -80,9 +81,12 @@ def main() -> None:
     tolerances(build(load_config(ROOT / "configs" / "tubes.toml")))
     exploration("256 x 256 tubes of one pattern", 256, "", stream=False)
     exploration("128 x 128 tubes, each its own pattern", 128, CUTS, stream=False)
+    exploration("256 x 256 tubes, cuts of 0.05 mm steps", 256, STEPPED, stream=False)
     exploration("256 x 256 tubes", 256, "", stream=True)
     if "--large" in sys.argv:
         exploration("1,000 x 1,000 tubes of one pattern", 1000, "", stream=False)
+        exploration("1,000 x 1,000 tubes, each its own pattern", 1000, CUTS, stream=False)
+        exploration("1,000 x 1,000 tubes, cuts of 0.05 mm steps", 1000, STEPPED, stream=False)
         exploration("1,000 x 1,000 tubes", 1000, "", stream=True)
     print(f"most memory                                   {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:8.0f} MB")
 
