@@ -7,6 +7,30 @@ from typing import Annotated
 
 import typer
 
+
+def _to_write(paths: list[Path] | None) -> list[Path] | None:
+    """Refuse files that cannot be written before any work is done for them."""
+    from coast_cli.output.atomic import check_folder
+    from coast_cli.output.write import format_of
+
+    for path in paths or ():
+        format_of(path)
+        check_folder(path)
+    return paths
+
+
+def _to_draw(path: Path | None) -> Path | None:
+    """Refuse a picture that cannot be drawn before any work is done for it."""
+    if path is not None:
+        from coast_cli.output.atomic import check_folder, check_suffix
+        from coast_cli.output.picture import FORMATS, require_matplotlib
+
+        check_suffix("--plot", path, FORMATS)
+        check_folder(path)
+        require_matplotlib()
+    return path
+
+
 ConfigArgument = Annotated[Path, typer.Argument(metavar="CONFIG", help="configuration (TOML)", show_default=False)]
 ConfigsArgument = Annotated[
     list[Path], typer.Argument(metavar="CONFIG", help="configurations (TOML)", show_default=False)
@@ -16,13 +40,16 @@ FormatOption = Annotated[
 ]
 OutputOption = Annotated[
     list[Path] | None,
-    typer.Option("--output", "-o", metavar="FILE", help="write a file: .txt, .json or .csv; repeatable"),
+    typer.Option(
+        "--output", "-o", metavar="FILE", help="write a file: .txt, .json or .csv; repeatable", callback=_to_write
+    ),
 ]
 PairOption = Annotated[
     str | None, typer.Option("--pair", metavar="OUTER/MIDDLE", help="the pair, or one tube; default: joint.pair")
 ]
 PlotOption = Annotated[
-    Path | None, typer.Option("--plot", metavar="FILE", help="also draw a picture: .png, .svg or .pdf")
+    Path | None,
+    typer.Option("--plot", metavar="FILE", help="also draw a picture: .png, .svg or .pdf", callback=_to_draw),
 ]
 
 

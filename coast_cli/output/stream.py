@@ -1,6 +1,6 @@
 """A long CSV written block by block: interrupted, it keeps what is done, and a rerun goes on from there.
 
-Until it is whole the file has ``.part`` at its end, with a ``.part.npz`` beside it that says what it was made from, how
+Until it is whole the file has ``.part`` at its end, with a ``.part.npz`` beside it that says what it is made from, how
 many blocks and bytes of it count, and what the next block must know. Both end in the finished file.
 """
 
@@ -27,14 +27,14 @@ class CsvStream:
     """A CSV file that grows by blocks.
 
     Args:
-        path: of the finished file. identity: what it is made from; another identity starts anew.
-        overwrite: whether a finished file may be replaced.
+        path: of the finished file. identity: what it is made from, which the same command finds again.
+        overwrite: whether a finished file, and what another command left unfinished, may be replaced.
 
     Attributes:
         blocks: how many are written already. state: what was saved with the last of them.
 
     Raises:
-        UsageError: the file exists, or cannot be written.
+        UsageError: the file exists, another command left it unfinished, or it cannot be written.
     """
 
     def __init__(self, path: Path, identity: str, *, overwrite: bool) -> None:
@@ -48,9 +48,10 @@ class CsvStream:
         try:
             self._stream: IO[str] = self.part.open("a", encoding="utf-8", newline="")
             self._lock()
-            size = self._resume()
+            size = self._resume(overwrite=overwrite)
             os.truncate(self.part, size)
             self._stream.seek(size)
+            self._save(self.state)
         except OSError as error:
             raise UsageError(f"{path}: cannot be written ({error.strerror or error}).") from None
 
@@ -69,18 +70,33 @@ class CsvStream:
             self._stream.close()
             raise UsageError(f"{self.path}: another run is writing this file; wait for it, or give another name.")
 
-    def _resume(self) -> int:
+    def _resume(self, *, overwrite: bool) -> int:
         """Return how many bytes of an earlier run count."""
+        size = self.part.stat().st_size
         try:
             with np.load(self.note, allow_pickle=False) as saved:
                 state = dict(saved)
             note = json.loads(str(state.pop(_NOTE)))
         except (OSError, ValueError, KeyError, BadZipFile):
-            return 0
-        if note.get("identity") != self.identity or not self.part.is_file() or self.part.stat().st_size < note["bytes"]:
-            return 0
-        self.blocks, self.state = note["blocks"], state
-        return int(note["bytes"])
+            note = {}
+        if note.get("identity") == self.identity:
+            if size < note["bytes"]:
+                return 0
+            self.blocks, self.state = note["blocks"], state
+            return int(note["bytes"])
+        if size and not overwrite:
+            self._stream.close()
+            raise UsageError(
+                f"{self.path}: {self.part.name} holds what another command left unfinished; run that again, "
+                "give another name, or --overwrite."
+            )
+        return 0
+
+    def _save(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Write what the file is made from, how much of it counts, and what the next block must know."""
+        note = json.dumps({"identity": self.identity, "blocks": self.blocks, "bytes": self._stream.tell()})
+        saved: dict[str, Any] = {_NOTE: np.array(note), **state}
+        write_files({self.note: lambda stream: np.savez(stream, **saved)}, binary=True)
 
     def write(self, columns: Mapping[str, Any], state: Mapping[str, NDArray[Any]]) -> None:
         """Append a block of rows and save what goes with it.
@@ -96,9 +112,7 @@ class CsvStream:
                 writer.writerows(zip(*(_texts(column) for column in columns.values()), strict=True))
             self._stream.flush()
             self.blocks += 1
-            note = json.dumps({"identity": self.identity, "blocks": self.blocks, "bytes": self._stream.tell()})
-            saved: dict[str, Any] = {_NOTE: np.array(note), **state}
-            write_files({self.note: lambda stream: np.savez(stream, **saved)}, binary=True)
+            self._save(state)
         except (OSError, UsageError) as error:
             reason = error.strerror if isinstance(error, OSError) else error
             raise UsageError(
@@ -117,11 +131,14 @@ class CsvStream:
         self.note.unlink(missing_ok=True)
 
     def close(self) -> None:
-        """Leave the file as it is, to be gone on with later."""
+        """Leave the file as it is, to be gone on with later; without a block, leave none."""
         try:
             self._stream.close()
         except OSError:
             return  # the disk is full: what counts is on it already
+        if self.blocks == 0:
+            self.part.unlink(missing_ok=True)
+            self.note.unlink(missing_ok=True)
 
 
 def _texts(column: Any) -> Sequence[Any]:  # noqa: ANN401

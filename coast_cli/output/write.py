@@ -34,7 +34,7 @@ def write_answer(
     """
     if format is not None and format not in formats:
         raise UsageError(f"--format {format}: not a format of `coast {answer.command}`; allowed: {', '.join(formats)}.")
-    renders = {path: _renderer(_format_of(path, formats)) for path in outputs}
+    renders = {path: _renderer(format_of(path, formats)) for path in outputs}
     answer.check_finite()
     write_files({path: partial(render, answer) for path, render in renders.items()})
     for note in answer.notes:
@@ -48,7 +48,12 @@ def say(text: str) -> None:
     to_stderr(f"coast: {printable(text)}")
 
 
-def _format_of(path: Path, formats: Sequence[str]) -> str:
+def format_of(path: Path, formats: Sequence[str] = FORMATS) -> str:
+    """Return the format that a file's suffix says.
+
+    Raises:
+        UsageError: it says none of ``formats``.
+    """
     known = {suffix: name for suffix, name in SUFFIXES.items() if name in formats}
     if path.suffix.lower() not in known:
         hint = " A spreadsheet opens .csv." if path.suffix.lower() in {".xlsx", ".xls", ".ods"} else ""

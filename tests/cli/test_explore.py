@@ -76,6 +76,58 @@ def test_only_csv_is_streamed(coast, config, tmp_path):
     assert ".csv" in ran.err
 
 
+def test_what_another_command_left_unfinished_is_not_replaced(coast, config, tmp_path, monkeypatch):
+    words, solve, asked = ("--all", tmp_path / "pairs.csv"), exploration.explore_block, []
+
+    def interrupted(task):
+        asked.append(task)
+        if len(asked) == 2:
+            raise KeyboardInterrupt
+        return solve(task)
+
+    monkeypatch.setattr(exploration, "explore_block", interrupted)
+    first = config(SPACE.replace("256", "140"))
+    assert coast("explore", first, *words).code == 130
+    left = {path: path.read_bytes() for path in tmp_path.glob("*.part*")}
+    assert len(left) == 2
+    ran = coast("explore", config(SMALL), *words)
+    assert (ran.code, ran.out) == (2, "")
+    assert "pairs.csv.part holds what another command left unfinished" in ran.err
+    assert {path: path.read_bytes() for path in tmp_path.glob("*.part*")} == left
+    assert coast("explore", config(SMALL), *words, "--overwrite").code == 0
+    assert len((tmp_path / "pairs.csv").read_text().splitlines()) == 1 + 16 * 16
+    assert not list(tmp_path.glob("*.part*"))
+
+
+def test_an_interrupt_before_the_first_block_leaves_nothing(coast, config, tmp_path, monkeypatch):
+    def interrupted(_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(exploration, "explore_block", interrupted)
+    assert coast("explore", config(), "--all", tmp_path / "pairs.csv").code == 130
+    assert not list(tmp_path.glob("*pairs*"))
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("-o", "front.xlsx"), "the suffix does not say a format"),
+        (("-o", "absent/front.json"), "there is no folder"),
+        (("--plot", "front.bmp"), "the suffix does not say a format"),
+        (("--plot", "absent/front.png"), "there is no folder"),
+    ],
+)
+def test_a_file_that_cannot_be_written_is_refused_before_the_run(coast, config, monkeypatch, words, said):
+    def run(_):
+        raise AssertionError("the run began")
+
+    monkeypatch.setattr(exploration, "explore_block", run)
+    ran = coast("explore", config(), *words)
+    assert (ran.code, ran.out) == (2, "")
+    assert said in ran.err
+    assert ran.err.count("\n") == 1
+
+
 def test_jobs_give_the_same_bytes(coast, config, tmp_path):
     alone = coast("explore", config(), "--all", tmp_path / "one.csv", "-f", "json")
     together = coast("explore", config(), "--all", tmp_path / "two.csv", "--jobs", "2", "-f", "json")
@@ -88,7 +140,7 @@ def test_an_interrupt_keeps_what_is_done_and_a_rerun_resumes(config, tmp_path):
     path, note = tmp_path / "pairs.csv", tmp_path / "pairs.csv.part.npz"
     arguments = (config(SPACE), "--top", "3", "-f", "json", "--all")
     running = start(*arguments, path)
-    while not note.exists():
+    while not note.exists() or blocks(note) == 0:
         assert running.poll() is None, running.communicate()
         time.sleep(0.02)
     running.send_signal(signal.SIGINT)
