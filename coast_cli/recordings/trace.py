@@ -91,11 +91,11 @@ def trace_image(path: Path, *, mm_per_px: float, clamp: tuple[float, float] | No
         UsageError: the extra `vision` is not installed.
     """
     require_vision()
-    levels = read_grey(path)
     try:
-        return trace_levels(levels, mm_per_px=mm_per_px, clamp=clamp, source=path)
+        return trace_levels(read_grey(path), mm_per_px=mm_per_px, clamp=clamp, source=path)
     except BadFrame as error:
-        raise error.of_file(path) from error
+        named = error.of_file(path)
+    raise named  # not from the error, whose traceback would keep the photograph in memory
 
 
 def trace_levels(

@@ -75,7 +75,7 @@ def trace_frames(
         except BadFrame as error:
             if not keep_failures:
                 raise
-            frames.append(Frame(path, None, error))
+            frames.append(Frame(path, None, error.with_traceback(None)))
     failures = [frame.error for frame in frames if frame.error]
     if len(failures) == len(frames):
         raise failures[0]

@@ -72,10 +72,10 @@ def find_silhouette(levels: Image) -> Silhouette:
         try:
             found.append((weight, _one_tube(mask, np.float32(sign) * difference, glare & (sign < 0))))
         except BadFrame as error:
-            errors.append(error)
+            errors.append(error.with_traceback(None))  # which would keep the photograph in memory
     if found:
         return max(found, key=lambda pair: pair[0])[1]
-    raise errors[0] if errors else _no_tube()
+    raise errors.pop(0) if errors else _no_tube()
 
 
 def _no_tube() -> BadFrame:

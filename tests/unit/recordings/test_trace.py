@@ -1,12 +1,16 @@
 """``coast trace`` end to end on small frames: rows, flags, overlays, refusals; and the circle on exact points."""
 
 import csv
+import gc
 import json
+import tracemalloc
 
 import numpy as np
 import pytest
 
 from coast_cli.recordings.read import read_recordings
+from coast_cli.recordings.trace import trace_image
+from coast_cli.recordings.trace_image import BadFrame
 from coast_cli.recordings.trace_spline import fit_arc
 from tests.rendered_tube import Scene, Tube
 
@@ -155,3 +159,23 @@ def test_the_curvature_error_covers_noise():
         arc = fit_arc((500 + off) * np.sin(angle), (500 + off) * np.cos(angle))
         scores.append((arc.curvature - 1 / 500) / arc.std)
     assert 0.8 < np.std(scores) < 1.3
+
+
+def test_a_refused_photograph_does_not_stay_in_memory(tmp_path):
+    from PIL import Image
+
+    path = tmp_path / "noise.png"
+    Image.fromarray(np.random.default_rng(3).integers(0, 255, (400, 500), dtype=np.uint8)).save(path)
+    kept = []
+    gc.disable()
+    tracemalloc.start()
+    try:
+        for _ in range(2):  # the first loads modules
+            before = tracemalloc.get_traced_memory()[0]
+            with pytest.raises(BadFrame):
+                trace_image(path, mm_per_px=0.05)
+            kept.append(tracemalloc.get_traced_memory()[0] - before)
+    finally:
+        tracemalloc.stop()
+        gc.enable()
+    assert kept[1] < 400 * 500  # less than a byte a pixel
