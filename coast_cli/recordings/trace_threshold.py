@@ -122,7 +122,7 @@ def flatten_light(levels: Image, *, order: int = 3, cells: int = 96) -> tuple[Im
     for (i, j), value in zip(powers, coefficients, strict=True):
         matrix[i, j] = value
     y_powers, x_powers = (np.vander(full, order + 1, increasing=True).astype(np.float32) for full in (full_y, full_x))
-    ground = y_powers @ matrix @ x_powers.T
+    ground: Image = np.asarray(y_powers @ matrix @ x_powers.T, dtype=np.float32)
     np.minimum(ground, np.float32(top), out=ground)
     flat: Image = levels - ground
     glare: Mask = (uniform_filter(levels, 5) >= 0.985 * top) & (ground < 0.94 * top)
@@ -201,7 +201,7 @@ def _ridge(mask: Mask) -> Floats:
     from skimage.morphology import skeletonize
 
     padded = np.pad(mask, 1)
-    ridge = edge_distance(padded)[skeletonize(padded)]
+    ridge: Floats = edge_distance(padded)[skeletonize(padded)]
     thick = ridge[ridge > 1.0]
     return thick if thick.size > 20 else np.maximum(ridge, 1.0)
 
