@@ -37,6 +37,8 @@ _WORTH_GROWING = 4.0
 # Up to this many noise levels a smooth gain may be the colour of the noise.
 _QUIET = 1.9
 _FLOOR = 1.12
+# A gain of which one sample makes more than this share is that sample's alone.
+_MOST_OF_GAIN = 0.85
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,9 +162,20 @@ def _lead(problem: Problem, tried: dict[frozenset[str], Hypothesis]) -> Hypothes
     order = sorted(tried.values(), key=lambda h: h.score - THRESHOLD * len(h.ids), reverse=True)
     for hypothesis in order:
         smaller = [tried[key] for key in tried if key < frozenset(hypothesis.ids) and len(key) == len(hypothesis.ids) - 1]
-        if all(size_of(problem, hypothesis, other) >= SMALLEST for other in smaller):
+        if all(size_of(problem, hypothesis, other) >= SMALLEST and _spread_out(hypothesis, other) for other in smaller):
             return hypothesis
     return tried[frozenset()]
+
+
+def _spread_out(larger: Hypothesis, smaller: Hypothesis) -> bool:
+    """Return whether what a larger set gains rests on more than one sample: an outlier is no effect."""
+    before, after = smaller.fit, larger.fit
+    gain = np.concatenate([
+        (before.residual**2 - after.residual**2) / max(after.evidence.level, 1e-15) ** 2,
+        (before.tension_residual**2 - after.tension_residual**2) / max(after.tension_evidence.level, 1e-15) ** 2,
+    ])  # fmt: skip
+    total = float(np.sum(gain))
+    return total <= 0.0 or float(gain.max()) < _MOST_OF_GAIN * total
 
 
 def size_of(problem: Problem, larger: Hypothesis, smaller: Hypothesis) -> float:
@@ -298,8 +311,9 @@ def _occam(problem: Problem, fitted: Fit, scales: dict[Scale, float]) -> float:
     if widths.size == 0:
         return 0.0
     precision = np.linalg.pinv(fitted.covariance[size:, size:], hermitian=True)
-    scaled = precision * np.outer(widths, widths) + np.eye(widths.size)
-    return 0.5 * float(np.linalg.slogdet(scaled)[1])
+    # By eigenvalues: where one parameter is known ever so much better than another, a determinant loses the lesser one.
+    sharper = np.linalg.eigvalsh(precision * np.outer(widths, widths))
+    return 0.5 * float(np.sum(np.log1p(np.maximum(sharper, 0.0))))
 
 
 def _prior_width(parameter: Parameter, scales: dict[Scale, float]) -> float:

@@ -52,6 +52,8 @@ _SUREST = 0.95
 # An effect that changes the prediction by less than this share of the noise has gone.
 _UNFELT = 0.1
 _FEWEST_SAMPLES = 12
+# A response of which the base model leaves no more than this share moves, however noisy its few samples look.
+_FOLLOWED = 0.5
 
 
 def diagnose_joint(
@@ -88,7 +90,8 @@ def _insufficient(problem: Problem) -> str:
     spans = [float(np.ptp(run.drive)) for run in problem.runs]
     if max(spans) <= 0.0:
         return "the drive never moves"
-    if float(np.std(problem.observed)) <= 1.3 * problem.floor:
+    moved = float(np.std(problem.observed))
+    if moved <= 1.3 * problem.floor and fit(problem).rmse > _FOLLOWED * moved:
         return "the response never moves by more than its noise"
     return ""
 

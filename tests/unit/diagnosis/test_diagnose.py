@@ -48,6 +48,22 @@ def test_clean_recordings_raise_no_alarm_in_any_colour(memory, seed):
     assert answer.verdict in ("agrees", "parameters")
 
 
+@pytest.mark.parametrize("height", [-12.0, 12.0])
+def test_one_outlier_at_the_peak_is_no_effect(height):
+    runs = recording(noise=NOISE)
+    peak = int(np.argmax(runs[0].stroke))
+    response = runs[0].response.copy()
+    response[peak] += height * NOISE
+    answer = diagnose([replace(runs[0], response=response), *runs[1:]])
+    assert answer.verdict in ("agrees", "parameters")
+
+
+def test_few_samples_of_a_wide_sweep_are_no_noise():
+    runs = [replace(run, **{name: getattr(run, name)[::9] for name in ("line", "time", "stroke", "response", "bending_length")})
+            for run in recording(noise=NOISE, lengths=(0.035, 0.02, 0.03, 0.025))]  # fmt: skip
+    assert diagnose(runs).verdict in ("agrees", "parameters")
+
+
 def test_wrong_parameters_are_no_missing_physics():
     answer = diagnose(recording(values={"youngs_modulus_gpa": 50.0}, noise=NOISE))
     assert answer.verdict == "parameters"
