@@ -142,10 +142,12 @@ def _newton(
         trace = Trace(beams)
         total, slope = march_shape(beams, *rotation(beams, tip), trace)
         change = (tip + total - beams.base) / np.where(slope == 0.0, np.inf, slope)
-        ready = ~(np.abs(change) > LAST_CHANGE) | (step == _MOST_STEPS)
+        residual = np.abs(slope) * (TANGENT_ERROR * np.abs(change) + ROUNDING)
+        # A beam that hangs turns its clamp by its tip's change many times over: it may need one correction more.
+        late = (residual > CLAMP_TOLERANCE) & (np.abs(change) > ROUNDING * np.maximum(np.abs(tip), 1.0))
+        ready = ~((np.abs(change) > LAST_CHANGE) | late) | (step == _MOST_STEPS)
         done = np.flatnonzero(ready)
         _record(tip, change, trace, ends, done, result, columns[done])
-        residual = np.abs(slope) * (TANGENT_ERROR * np.abs(change) + ROUNDING)
         result.residual[columns], result.steps[columns] = residual, step
         result.converged[columns] = residual <= CLAMP_TOLERANCE
         if done.size == ready.size:

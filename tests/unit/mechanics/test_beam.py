@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import Phase, given, settings
+from hypothesis import Phase, example, given, settings
 from hypothesis import strategies as st
 
 from coast_cli.mechanics import beam as beam_module
@@ -157,6 +157,7 @@ def test_any_numbers_give_a_verdict_and_no_nan(length, rigidity, weight, curvatu
         assert np.all(np.isfinite(values))
 
 
+@example(count=32, depth=1.875, curvature=0.0, gravity=50.0, cut=1.95e-3)  # hangs: its tip turns the clamp 1e5-fold
 @settings(max_examples=60, deadline=None)
 @given(
     count=st.integers(1, 40),
