@@ -13,6 +13,7 @@ import pytest
 
 from coast_cli.design import exploration
 from coast_cli.errors import UsageError
+from tests.from_a_shell import popen
 
 SPACE = """
 [explore]
@@ -44,7 +45,7 @@ def blocks(note):
 
 def start(*words, **options):
     command = [sys.executable, "-m", "coast_cli", "explore", *map(str, words)]
-    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **options)
+    return popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **options)
 
 
 def test_every_pair_is_streamed_and_the_front_printed(coast, config, tmp_path):
@@ -202,7 +203,7 @@ def test_a_full_disk_is_said_and_what_is_written_stays(config, tmp_path):
     arguments = (config(SPACE), "--top", "3", "-f", "json", "--all")
     whole = start(*arguments, tmp_path / "whole.csv").communicate()
     limit = int(0.6 * (tmp_path / "whole.csv").stat().st_size)
-    full = start(*arguments, path, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)))
+    full = start(*arguments, path, prepare=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)))
     out, said = full.communicate()
     assert (full.returncode, out) == (2, "")
     assert "run the same command again" in said

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 import coast_cli
+from tests.from_a_shell import popen
 
 ROOT = Path(__file__).parents[2]
 RECORDING = ROOT / "examples" / "diagnose" / "recording.csv"
@@ -30,7 +31,7 @@ def program(*words, **options):
     command = [sys.executable, *map(str, words)]
     path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
     environment = {**os.environ, "PYTHONPATH": path}
-    return subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True, **options)
+    return popen(command, env=environment, stderr=subprocess.PIPE, **options)
 
 
 @pytest.mark.parametrize(
