@@ -65,13 +65,17 @@ class BadInput(CoastError):
 
     def _sentence(self) -> str:
         place = ":".join(str(part) for part in (self.file, self.line, self.column) if part is not None)
-        head = ": ".join(part for part in (place, self.key, self.message) if part)
+        key = None if self.key is None else _shortened(self.key, _LONGEST_KEY)
+        head = ": ".join(part for part in (place, key, self.message) if part)
         if self.found is not None:
             head += f"; found {_shown(self.found)}"
         if self.allowed is not None:
             head += f"; allowed: {self.allowed}"
         head += "."
         return f"{head} {self.hint}" if self.hint else head
+
+
+_LONGEST_KEY = 160
 
 
 def printable(text: str) -> str:
@@ -90,5 +94,8 @@ def nearest(name: str, known: Iterable[str]) -> str:
 
 
 def _shown(value: object, limit: int = 60) -> str:
-    text = repr(value) if isinstance(value, str) else str(value)
+    return _shortened(repr(value) if isinstance(value, str) else str(value), limit)
+
+
+def _shortened(text: str, limit: int) -> str:
     return text if len(text) <= limit else text[: limit - 3] + "..."
