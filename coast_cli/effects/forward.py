@@ -131,6 +131,7 @@ class Tables:
         if key not in self._found:
             if len(self._found) >= self._MOST:
                 self._found.clear()
+                self._axes.clear()  # found by the identity of branches that are gone now
             stations = stations_for(joint, shaping, length, layout.kind, layout.columns, drifted)
             sides = []
             for direction in (1, -1) if any(effect.reverses for effect in shaping) else (1,):

@@ -118,6 +118,17 @@ def test_tables_used_again_change_nothing(joint, runs):
             np.testing.assert_array_equal(again.tension, fresh.tension)
 
 
+def test_tables_that_are_given_up_in_the_middle_change_nothing(joint, monkeypatch):
+    """Every length makes room for the next, so that new tables may stand where old ones stood."""
+    monkeypatch.setattr(Tables, "_MOST", 1)
+    stroke = np.linspace(1.5e-3, 3e-3, 20)
+    runs = [History(None, stroke, None, np.full(20, length)) for length in np.tile(np.linspace(0.012, 0.036, 7), 3)]
+    capstan = CATALOGUE["capstan_hysteresis"](0.05)
+    for run, again in zip(runs, predict(joint, [capstan], runs, LAYOUT), strict=True):
+        fresh = predict(joint, [capstan], [run], LAYOUT)[0]
+        np.testing.assert_array_equal(again.response, fresh.response)
+
+
 def test_a_shape_at_rest_that_drifts_ends_where_precurvature_stands(joint, runs):
     drift = CATALOGUE["thermal_drift"](rest_change_per_m=6.0, time_constant_s=1e-1)
     curved = CATALOGUE["precurvature"](6.0, 0.0)
