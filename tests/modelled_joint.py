@@ -24,14 +24,25 @@ def cycle(top: float = TOP, step: float = 0.08e-3, bottom: float = 0.0) -> np.nd
     return np.concatenate([np.linspace(a, b, max(2, round(abs(b - a) / step)), endpoint=False) for a, b in legs])
 
 
-def make_run(stroke, response, *, name="a", length=0.03, tension=None, rate=0.2e-3, clock=True, kind="curvature", middle="MT1"):
+def make_run(
+    stroke, response, *, name="a", length=0.03, tension=None, rate=0.2e-3, clock=True, kind="curvature", middle="MT1"
+):
     """Return a stroke-driven run as the reader would."""
     stroke, response = np.asarray(stroke), np.asarray(response)
     travel = np.concatenate([[0.0], np.cumsum(np.maximum(np.abs(np.diff(stroke)), 1e-6))])
     return JointRun(
-        name, f"{name}.csv", np.arange(stroke.size) + 2, travel / rate if clock else None, "OT4", middle,
-        np.full(stroke.size, length), stroke, tension, response.reshape(stroke.size, -1), kind,
-    )  # fmt: skip
+        name,
+        f"{name}.csv",
+        np.arange(stroke.size) + 2,
+        travel / rate if clock else None,
+        "OT4",
+        middle,
+        np.full(stroke.size, length),
+        stroke,
+        tension,
+        response.reshape(stroke.size, -1),
+        kind,
+    )
 
 
 def recording(

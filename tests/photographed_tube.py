@@ -71,8 +71,12 @@ def shape(bench: Bench, up: bool, points: int = 120) -> tuple[np.ndarray, np.nda
     soft = (CUT + bench.extra_cut) / CUT / second / bench.modulus
     stiff = 1.0 / (ring_second * bench.modulus)
     light, heavy = DENSITY * GRAVITY * area, DENSITY * GRAVITY * ring_area
-    steps = [(length / STEPS, compliance, weight) for _ in range(COUNT)
-             for length, compliance, weight in ((UNCUT, stiff, heavy), (CUT, soft, light)) for _ in range(STEPS)]  # fmt: skip
+    steps = [
+        (length / STEPS, compliance, weight)
+        for _ in range(COUNT)
+        for length, compliance, weight in ((UNCUT, stiff, heavy), (CUT, soft, light))
+        for _ in range(STEPS)
+    ]
     side = 1.0 if up else -1.0
     total = COUNT * (UNCUT * heavy + CUT * light)
 
@@ -82,7 +86,9 @@ def shape(bench: Bench, up: bool, points: int = 120) -> tuple[np.ndarray, np.nda
         off = (s - bench.soft_at) / SOFT_WIDTH
         return bench.soft_angle_per_moment * math.exp(-0.5 * off * off) / SOFT_WIDTH / math.sqrt(2.0 * math.pi)
 
-    def slope(s: float, compliance: float, beyond: float, angle: float, moment: float) -> tuple[float, float, float, float]:
+    def slope(
+        s: float, compliance: float, beyond: float, angle: float, moment: float
+    ) -> tuple[float, float, float, float]:
         natural = side * (bench.natural + bench.gradient * (s - LENGTH / 2.0))
         curvature = natural - (compliance + added(s)) * moment
         return curvature, -beyond * math.cos(angle), math.cos(angle), math.sin(angle)
@@ -112,9 +118,11 @@ def shape(bench: Bench, up: bool, points: int = 120) -> tuple[np.ndarray, np.nda
 
 
 def csv_text(
-    photographs: list[tuple[str, Bench, bool]], noise: float, seed: int = 1,
+    photographs: list[tuple[str, Bench, bool]],
+    noise: float,
+    seed: int = 1,
     seen: Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]] = lambda x, y: (x, y),
-) -> str:  # fmt: skip
+) -> str:
     """A shapes file: (tube, bench, natural side up), points with white noise (m)."""
     random = np.random.default_rng(seed)
     lines = ["run,tube,natural,x_mm,y_mm"]
@@ -123,5 +131,7 @@ def csv_text(
         for px, py in zip(x, y, strict=True):
             a, b = 1e3 * (px + noise * random.standard_normal()), 1e3 * (py + noise * random.standard_normal())
             first = px == 0.0 and py == 0.0
-            lines.append(f"s{number},{tube},{'up' if up else 'down'},{0.0 if first else a:.5f},{0.0 if first else b:.5f}")
+            lines.append(
+                f"s{number},{tube},{'up' if up else 'down'},{0.0 if first else a:.5f},{0.0 if first else b:.5f}"
+            )
     return "\n".join(lines) + "\n"

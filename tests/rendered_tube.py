@@ -69,7 +69,7 @@ class Scene:
         picture = light * ((1 - cover) * self.tube_level + cover if self.bright else 1 - cover * (1 - level))
         if self.glare is not None:
             x, y, radius = self.glare
-            picture += 400 * np.exp(-(((xx - x) ** 2 + (yy - y) ** 2) / radius**2) ** 2)
+            picture += 400 * np.exp(-((((xx - x) ** 2 + (yy - y) ** 2) / radius**2) ** 2))
         picture = gaussian_filter(np.clip(picture, 0, 400), self.blur, mode="nearest")
         picture += rng.normal(0, self.noise, self.shape)
         return np.clip(np.round(picture), 0, 255).astype(np.uint8)

@@ -15,7 +15,9 @@ def path(
     *,
     path: Annotated[
         str,
-        typer.Option(metavar="FILE.csv", help="arc_length_mm and curvature_per_m (s_mm, kappa_per_mm), or x_mm and y_mm"),
+        typer.Option(
+            metavar="FILE.csv", help="arc_length_mm and curvature_per_m (s_mm, kappa_per_mm), or x_mm and y_mm"
+        ),
     ],
     pair: PairOption = None,
     model: Annotated[

@@ -39,9 +39,12 @@ def recordings(
 
     documents = () if config is None else (load_config(config),)
     read = read_recordings(
-        recordings, documents[0] if documents else None, columns=renamed_columns(columns), pair=pair,
+        recordings,
+        documents[0] if documents else None,
+        columns=renamed_columns(columns),
+        pair=pair,
         bending_length_mm=x2,
-    )  # fmt: skip
+    )
     origin = provenance(*documents, recordings=read.sources)
     answer = Answer("recordings", summary_rows(read), origin, (*read.notes, *can_decide(read)))
     write_answer(answer, format, output or ())

@@ -65,9 +65,13 @@ def report(
             recordings, document, columns=renamed_columns(columns), pair=pair, bending_length_mm=single
         )
     wanted = Wanted(
-        pair, curvatures, None if lengths is None else [length * MILLIMETRE for length in lengths], samples, seed,
+        pair,
+        curvatures,
+        None if lengths is None else [length * MILLIMETRE for length in lengths],
+        samples,
+        seed,
         hold_out or (),
-    )  # fmt: skip
+    )
     found = contents(build(document), wanted, read)
     with waiting("drawing"):
         text = page_of(found)

@@ -61,5 +61,7 @@ def stroke(
         from coast_cli.output.design_plot import plot_strokes
 
         plot_strokes(columns).write(plot)
-    answer = Answer("stroke", Columns(columns), provenance(document), (*design.notes, *design.uncorrected_joint, *notes))
+    answer = Answer(
+        "stroke", Columns(columns), provenance(document), (*design.notes, *design.uncorrected_joint, *notes)
+    )
     write_answer(answer, format, output or ())

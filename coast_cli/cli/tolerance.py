@@ -76,5 +76,7 @@ def tolerance(
         from coast_cli.output.design_plot import plot_tolerance
 
         plot_tolerance(f"{outer}/{middle}", rows, columns).write(plot)
-    write_answer(Answer("tolerance", [row for row in rows if row["kind"] in kinds], origin, notes), format, output or ())
+    write_answer(
+        Answer("tolerance", [row for row in rows if row["kind"] in kinds], origin, notes), format, output or ()
+    )
     done.finish()

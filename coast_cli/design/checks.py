@@ -67,9 +67,7 @@ def _stroke_and_strain(design: Design, limit: LimitAtPoint) -> dict[str, FloatAr
     if design.config.tendon is None:
         raise design.config.refuse(("checks", "max_stroke_mm"), "a stroke needs a [tendon] table")
     lengths = [limit.bending_length_mm * MILLIMETRE]
-    columns, notes = stroke_table(
-        design.joint(), lengths, curvatures=[limit.curvature_per_m], effects=design.effects
-    )
+    columns, notes = stroke_table(design.joint(), lengths, curvatures=[limit.curvature_per_m], effects=design.effects)
     if columns["stroke_mm"][0] is None:
         raise NotConverged(f"checks.max_stroke_mm: {notes[0]}")
     return {name: np.asarray(columns[name], dtype=float) for name in ("stroke_mm", "tendon_strain")}

@@ -114,9 +114,7 @@ def _bounds(
         found.append(replace(stations, rest=0.5 * (pair[0][1][0] + pair[-1][1][0])))
         sides.append((pair[0], pair[-1]))
     drives = np.unique(np.concatenate([axis for pair in sides for axis, _ in pair]))
-    low, high = (
-        np.stack([_on(drives, *pair[side]) for pair in sides]) for side in (0, 1)
-    )
+    low, high = (np.stack([_on(drives, *pair[side]) for pair in sides]) for side in (0, 1))
     return _Bounds(lengths, drives, low, np.maximum(low, high), tuple(found))
 
 

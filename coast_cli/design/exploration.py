@@ -104,7 +104,12 @@ def _count(block: Block, counts: dict[str, int]) -> None:
 def _saved(front: Front, counts: Mapping[str, int]) -> dict[str, NDArray[Any]]:
     known = {f"front.{name}": column for name, column in front.columns.items()}
     costs = {} if front.costs is None else {"costs": front.costs}
-    return {"counts": np.array([counts[name] for name in _COUNTS]), "thinned": np.array(front.thinned), **costs, **known}
+    return {
+        "counts": np.array([counts[name] for name in _COUNTS]),
+        "thinned": np.array(front.thinned),
+        **costs,
+        **known,
+    }
 
 
 def _restored(state: Mapping[str, NDArray[Any]]) -> tuple[Front, dict[str, int]]:

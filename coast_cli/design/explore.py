@@ -271,4 +271,6 @@ def curvature_sources(text: str, name: str, columns: Columns) -> NDArray[np.str_
     parts = _study(text, name).space
     order = ("measured", "interpolated", "held")
     found = [part.source({"depth_mm": columns[f"{part.role}_depth_mm"]}) for part in (parts.outer, parts.middle)]
-    return np.array([max(pair, key=order.index) for pair in zip(*(table.tolist() for table in found), strict=True)], dtype=str)
+    return np.array(
+        [max(pair, key=order.index) for pair in zip(*(table.tolist() for table in found), strict=True)], dtype=str
+    )

@@ -67,9 +67,7 @@ class Found:
     notes: tuple[str, ...]
 
 
-def inverse_design(
-    design: Design, pair: tuple[str, str], targets: Mapping[str, float], vary: Sequence[str]
-) -> Found:
+def inverse_design(design: Design, pair: tuple[str, str], targets: Mapping[str, float], vary: Sequence[str]) -> Found:
     """Return the values of the variables that give a pair the wanted figures, or the nearest.
 
     Args:
@@ -83,7 +81,9 @@ def inverse_design(
     best = _solve(problem)
     figures = problem.figures(best[None])
     reached_values = {name: float(figures[name][0]) for name in targets}
-    reached = all(abs(reached_values[name] - target) <= REACHED * problem.size(name) for name, target in targets.items())
+    reached = all(
+        abs(reached_values[name] - target) <= REACHED * problem.size(name) for name, target in targets.items()
+    )
     rows = [
         _row(kind="target", name=name, start=problem.nominal[name], wanted=target, value=reached_values[name])
         for name, target in targets.items()
@@ -174,13 +174,13 @@ class _Problem:
                     fields[item.key.removesuffix("_mm")] = metres[:, None]
         alike = {name: getattr(base, name)[:, :1] for name in ("depth", "cut", "uncut")}
         depth = fields.get("depth", alike["depth"])[:, 0] / MILLIMETRE
-        made = replace(base, **{**alike, **fields, "natural_curvature": np.interp(depth, *space.measured), "end_length": 0.0})
+        made = replace(
+            base, **{**alike, **fields, "natural_curvature": np.interp(depth, *space.measured), "end_length": 0.0}
+        )
         return replace(made, end_length=space.end_length(made))
 
 
-def _problem(
-    design: Design, pair: tuple[str, str], targets: Mapping[str, float], vary: Sequence[str]
-) -> _Problem:
+def _problem(design: Design, pair: tuple[str, str], targets: Mapping[str, float], vary: Sequence[str]) -> _Problem:
     config = design.config
     known = (*FIGURES, *POINT_FIGURES)
     for name in targets:
@@ -193,7 +193,9 @@ def _problem(
     for tube in tubes:
         if np.ptp(tube.depth) > 0.0:
             raise BadInput(f"{tube.name} has notches of different depths", hint="Start from a tube with one depth.")
-    variables = tuple(_variable(name, {"outer": (outer, tubes[0]), "middle": (middle, tubes[1])}, design) for name in vary)
+    variables = tuple(
+        _variable(name, {"outer": (outer, tubes[0]), "middle": (middle, tubes[1])}, design) for name in vary
+    )
     problem = _Problem(design, tubes, outer, middle, variables, targets, {})
     nominal = {name: float(column[0]) for name, column in problem.figures(problem.start[None]).items()}
     for name in targets:
@@ -276,15 +278,23 @@ def _variable_rows(problem: _Problem, best: FloatArray, *, reached: bool) -> lis
     moved = np.linalg.norm(np.linalg.pinv(jacobian, rcond=_FREE), axis=1) * 0.01 * (high - low)
     rows = []
     for column, item in enumerate(problem.variables):
-        edge: NDArray[np.bool_] = np.isclose(best[column], (item.low, item.high), rtol=0.0, atol=1e-6 * (item.high - item.low))
+        edge: NDArray[np.bool_] = np.isclose(
+            best[column], (item.low, item.high), rtol=0.0, atol=1e-6 * (item.high - item.low)
+        )
         determined = bool(free[column] < _FREE)
         rows.append(
             _row(
-                kind="variable", name=item.name, start=item.start, value=float(best[column]), low=item.low, high=item.high,
-                at_bound=bool(edge.any()), determined=determined if reached else None,
+                kind="variable",
+                name=item.name,
+                start=item.start,
+                value=float(best[column]),
+                low=item.low,
+                high=item.high,
+                at_bound=bool(edge.any()),
+                determined=determined if reached else None,
                 change_per_percent=float(moved[column]) if determined and reached else None,
             )
-        )  # fmt: skip
+        )
     return rows
 
 

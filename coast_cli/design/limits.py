@@ -59,14 +59,18 @@ def at_the_point(design: Design, outer: TubePopulation, middle: TubePopulation) 
     if config.checks is None or config.checks.max_stroke_mm is None or not point_figure_names(config):
         return {}
     point = config.checks.max_stroke_mm
-    return point_figures(_some_joint(config), outer, middle, point.curvature_per_m, point.bending_length_mm * MILLIMETRE)
+    return point_figures(
+        _some_joint(config), outer, middle, point.curvature_per_m, point.bending_length_mm * MILLIMETRE
+    )
 
 
 def point_figure_names(config: Config) -> tuple[str, ...]:
     """Return the figures that ``at_the_point`` gives."""
     if config.joint is None or config.checks is None or config.checks.max_stroke_mm is None:
         return ()
-    return tuple(name for name in POINT_FIGURES if config.tendon is not None or name not in {"stroke_mm", "tendon_strain"})
+    return tuple(
+        name for name in POINT_FIGURES if config.tendon is not None or name not in {"stroke_mm", "tendon_strain"}
+    )
 
 
 def assembles(config: Config, outer: TubePopulation, middle: TubePopulation) -> NDArray[np.bool_]:

@@ -180,7 +180,9 @@ def _feed_reasons(joint: Joint, bent: FloatArray, beyond: FloatArray) -> list[tu
 
 def _strain_per_curvature(joint: Joint) -> float:
     """Return the largest strain of the webs for one 1/m, m."""
-    return max(float(web_strain(population((tube,)), 1.0)[0]) for tube in (joint.outer, joint.middle) if tube is not None)
+    return max(
+        float(web_strain(population((tube,)), 1.0)[0]) for tube in (joint.outer, joint.middle) if tube is not None
+    )
 
 
 def _joined(reasons: Sequence[tuple[Mask, str]], count: int) -> list[str | None]:

@@ -70,9 +70,12 @@ def rank(config: Config, options: RankOptions | None = None) -> Ranking:
     count = len(design.outer) * len(design.middle)
     if count > MOST_PAIRS:
         raise config.refuse(
-            ("outer",), "too many pairs to rank at once", found=count, allowed=f"up to {MOST_PAIRS}",
+            ("outer",),
+            "too many pairs to rank at once",
+            found=count,
+            allowed=f"up to {MOST_PAIRS}",
             hint="`coast explore` goes through any number.",
-        )  # fmt: skip
+        )
     pairs = pair_table(design.outer, design.middle, design.gravity, options.assembly)
     reasons = _reasons(design, pairs)
     possible = reasons == ""
@@ -109,9 +112,7 @@ def with_section(design: Design, section: SectionKind | None) -> Design:
     """Return the design with one section for every tube, or as it is where none is given."""
     if section is None:
         return design
-    outer, middle = (
-        tuple(replace(tube, section=section) for tube in tubes) for tubes in (design.outer, design.middle)
-    )
+    outer, middle = (tuple(replace(tube, section=section) for tube in tubes) for tubes in (design.outer, design.middle))
     return replace(design, outer=outer, middle=middle)
 
 
@@ -122,9 +123,7 @@ def _costs(pairs: PairTable, rigidity: Rigidity) -> FloatArray:
     return np.stack([cost.ravel() for cost in (pairs.total_precurvature, np.abs(np.log(ratio)), total)], axis=1)
 
 
-def _scores(
-    pairs: PairTable, rigidity: Rigidity, weights: Sequence[float], possible: NDArray[np.bool_]
-) -> FloatArray:
+def _scores(pairs: PairTable, rigidity: Rigidity, weights: Sequence[float], possible: NDArray[np.bool_]) -> FloatArray:
     """Return the score of each pair, infinite for an impossible one."""
     return scores_of(np.where(possible[:, None], _costs(pairs, rigidity), np.nan), weights)
 

@@ -89,7 +89,9 @@ def solve_block(task: Task) -> Mapping[str, FloatArray]:
     """Return the figures of one block of samples."""
     design, (outer, middle) = task.design, (task.design.tube(name) for name in task.pair)
     varied = variation(design.config, (outer, middle))
-    return make_pair(design, varied, (outer, middle), shares(task.seed, len(varied.inputs), task.first, task.count)).columns
+    return make_pair(
+        design, varied, (outer, middle), shares(task.seed, len(varied.inputs), task.first, task.count)
+    ).columns
 
 
 def shares(seed: int, inputs: int, first: int, count: int) -> FloatArray:
@@ -109,9 +111,7 @@ def make_pairs(
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
-def make_pair(
-    design: Design, varied: Variation, tubes: tuple[NotchedTube, NotchedTube], draws: FloatArray
-) -> Made:
+def make_pair(design: Design, varied: Variation, tubes: tuple[NotchedTube, NotchedTube], draws: FloatArray) -> Made:
     """Return a pair as made for each row of probabilities, shape (m, inputs)."""
     outer, middle = (varied.tube(tube, draws) for tube in tubes)
     rows = np.flatnonzero(assembles(design.config, outer, middle))

@@ -42,9 +42,7 @@ def shape_columns(
     }
 
 
-def _shape(
-    tube: NotchedTube, gravity: float, method: str, points: int | None
-) -> Shape:
+def _shape(tube: NotchedTube, gravity: float, method: str, points: int | None) -> Shape:
     """Return s, x, y (m), angle (rad) and curvature (1/m) at the asked points."""
     pieces = tube.segments
     ends = np.concatenate(([0.0], np.cumsum(pieces.length)))

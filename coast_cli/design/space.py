@@ -71,7 +71,11 @@ class RoleSpace:
         for span in self.ranges.values():
             steps = int(np.floor((span.max - span.min) / (span.step or 1.0) + _WHOLE)) + 1
             lines.append((np.arange(steps) + 0.5) / steps)
-        return np.stack([line.ravel() for line in np.meshgrid(*lines, indexing="ij")], axis=1) if lines else np.zeros((1, 0))
+        return (
+            np.stack([line.ravel() for line in np.meshgrid(*lines, indexing="ij")], axis=1)
+            if lines
+            else np.zeros((1, 0))
+        )
 
     def tubes(self, values: dict[str, FloatArray]) -> TubePopulation:
         """Return the tubes with the given values."""
@@ -160,9 +164,11 @@ def role_space(config: Config, explore: Explore, role: Role) -> RoleSpace:
         for key, value in (("min", span.min), ("max", span.max)):
             if not low - _SAME_DEPTH <= value <= high + _SAME_DEPTH:
                 raise config.refuse(
-                    ("explore", role, "depth_mm", key), "no sample was measured there, so its natural curvature is unknown",
-                    found=value, allowed=f"{low:g} to {high:g}, or explore.outside_samples = 'hold'",
-                )  # fmt: skip
+                    ("explore", role, "depth_mm", key),
+                    "no sample was measured there, so its natural curvature is unknown",
+                    found=value,
+                    allowed=f"{low:g} to {high:g}, or explore.outside_samples = 'hold'",
+                )
     material = config.materials[samples[0].material]
     return RoleSpace(
         role=role,

@@ -106,7 +106,9 @@ def _notes(joint: Joint, solution: StrokeSolution, *, closes: bool) -> tuple[str
     unheld = np.unique(solution.curvature[np.isnan(solution.tension)])
     if unheld.size:
         words = f"{unheld[0]:.4g}" if unheld.size == 1 else f"{unheld[0]:.4g} to {unheld[-1]:.4g}"
-        notes.append(f"no pull holds some curvatures asked for ({words} 1/m): bent further at rest, or snapping across.")
+        notes.append(
+            f"no pull holds some curvatures asked for ({words} 1/m): bent further at rest, or snapping across."
+        )
     if joint.tendon is None:
         notes.append("there is no [tendon], so stroke and tendon strain have no value.")
     closing = joint.closure_curvature

@@ -30,9 +30,22 @@ INDEX_SAMPLES = 512  # the model runs (inputs + 2) times as often
 _NO_EFFECT = 0.01  # total index; smaller ones are noise of the estimate
 MOST_RANKED = 1000  # samples of the whole bench
 _COLUMNS = (
-    "kind", "name", "input", "nominal", "limit", "mean", "std", "low_90", "median", "high_90",
-    "probability", "probability_low", "probability_high", "first_order", "total_effect",
-)  # fmt: skip
+    "kind",
+    "name",
+    "input",
+    "nominal",
+    "limit",
+    "mean",
+    "std",
+    "low_90",
+    "median",
+    "high_90",
+    "probability",
+    "probability_low",
+    "probability_high",
+    "first_order",
+    "total_effect",
+)
 
 
 def tolerance_rows(
@@ -59,9 +72,7 @@ def tolerance_rows(
     """
     outer, middle = (design.tube(name) for name in pair)
     varied = variation(design.config, (outer, middle))
-    made = sampled(
-        design, pair, samples=samples, seed=seed, executor=executor, beginning=beginning, keep=keep
-    )
+    made = sampled(design, pair, samples=samples, seed=seed, executor=executor, beginning=beginning, keep=keep)
     share = 1.0 - float(np.mean(made.possible))
     if share == 1.0:
         raise NotConverged(f"{'/'.join(pair)}: with these tolerances no sample can be assembled: give smaller ones.")
@@ -127,9 +138,7 @@ def _first_places(design: Design, seed: int, samples: int) -> list[Row]:
         return []
     _, first = chances(design, RankOptions(), samples=samples, seed=seed)
     names = [f"{one.name}/{two.name}" for two in design.middle for one in design.outer]
-    rows = [
-        _row("first", name, **_probability(wins)) for name, wins in zip(names, first, strict=True) if wins.any()
-    ]
+    rows = [_row("first", name, **_probability(wins)) for name, wins in zip(names, first, strict=True) if wins.any()]
     return sorted(rows, key=lambda row: -row["probability"])
 
 
@@ -147,11 +156,15 @@ def _distributions(made: Made, nominal: Mapping[str, FloatArray]) -> list[Row]:
 def _checks(made: Made, nominal: Mapping[str, FloatArray]) -> list[Row]:
     rows = [
         _row(
-            "check", limit.check, input=limit.bound, nominal=_known(nominal[limit.figure][0]), limit=limit.limit,
+            "check",
+            limit.check,
+            input=limit.bound,
+            nominal=_known(nominal[limit.figure][0]),
+            limit=limit.limit,
             **_probability(limit.holds(made.columns)),
         )
         for limit in made.limits
-    ]  # fmt: skip
+    ]
     return [*rows, _row("check", "all", **_probability(made.passes))] if rows else []
 
 
@@ -159,9 +172,7 @@ def _indices(
     design: Design, varied: Variation, tubes: tuple[NotchedTube, NotchedTube], sequence: tuple[int, int]
 ) -> tuple[list[Row], int]:
     """Return rows of Sobol indices, the largest total first for each figure, and how many samples were replaced."""
-    found = sobol_indices_of(
-        lambda draws: make_pairs(design, varied, tubes, draws), len(varied.inputs), *sequence
-    )
+    found = sobol_indices_of(lambda draws: make_pairs(design, varied, tubes, draws), len(varied.inputs), *sequence)
     rows = []
     for name, (first, total) in found.indices.items():
         order = [column for column in np.argsort(-total) if total[column] > _NO_EFFECT]

@@ -123,9 +123,12 @@ def calibratable(config: Config, names: Sequence[str] = ()) -> tuple[Parameter, 
     for name in names:
         if name not in CONFIG_KEYS:
             raise BadInput(
-                "there is no such parameter", key="--fit", found=name, allowed=", ".join(CONFIG_KEYS),
+                "there is no such parameter",
+                key="--fit",
+                found=name,
+                allowed=", ".join(CONFIG_KEYS),
                 hint=nearest(name, CONFIG_KEYS) or None,
-            )  # fmt: skip
+            )
         if given(name) is None:
             raise config.refuse(tuple(CONFIG_KEYS[name].split(".")), "cannot be fitted: the configuration has none")
     bounded = [name for name in CONFIG_KEYS if isinstance(given(name), Calibrated)]
@@ -238,8 +241,11 @@ def refit(whole: Fitted, rows: Mapping[str, Booleans]) -> Fitted | None:
     """
     posed = whole.posed.only(rows)
     posed = replace(posed, problems=tuple(p for p in posed.problems if any(mask.any() for mask in p.train)))
-    weights = [w for p, w in zip(whole.posed.only(rows).problems, whole.weights, strict=True)
-               if any(mask.any() for mask in p.train)]  # fmt: skip
+    weights = [
+        w
+        for p, w in zip(whole.posed.only(rows).problems, whole.weights, strict=True)
+        if any(mask.any() for mask in p.train)
+    ]
     free = [estimate.parameter for estimate in whole.estimates]
     held = {parameter.name: parameter.value for parameter, _ in whole.held}
     reasons: list[tuple[Parameter, str]] = []
@@ -250,9 +256,13 @@ def refit(whole: Fitted, rows: Mapping[str, Booleans]) -> Fitted | None:
         if all(fine.seen):
             fine = _coloured(posed, weights, fine)
             return Fitted(
-                posed, tuple(weights), tuple(_estimates(posed, free, held, weights, fine, profile=False)),
-                fine.correlation, tuple(reasons), fine.verdict.converged,
-            )  # fmt: skip
+                posed,
+                tuple(weights),
+                tuple(_estimates(posed, free, held, weights, fine, profile=False)),
+                fine.correlation,
+                tuple(reasons),
+                fine.verdict.converged,
+            )
         given_up, reason = _given_up(free, fine)
         held[given_up.name] = whole.values[given_up.name]
         free.remove(given_up)

@@ -168,9 +168,12 @@ def _known(runs: Sequence[JointRun], names: Sequence[str]) -> tuple[str, ...]:
     for name in names:
         if name not in known:
             raise BadInput(
-                "there is no such run", key="--hold-out", found=name, allowed=f"{', '.join(known)}, or {EACH}",
+                "there is no such run",
+                key="--hold-out",
+                found=name,
+                allowed=f"{', '.join(known)}, or {EACH}",
                 hint=nearest(name, known) or None,
-            )  # fmt: skip
+            )
     return tuple(dict.fromkeys(names))
 
 
@@ -241,6 +244,8 @@ def _finite(value: float) -> float | None:
 
 
 def _told(errors: Errors) -> str:
-    parts = [f"{errors.configured[unit]:.4g} as configured, {value:.4g} calibrated ({unit})"
-             for unit, value in errors.calibrated.items()]  # fmt: skip
+    parts = [
+        f"{errors.configured[unit]:.4g} as configured, {value:.4g} calibrated ({unit})"
+        for unit, value in errors.calibrated.items()
+    ]
     return "; ".join(parts)

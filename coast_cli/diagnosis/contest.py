@@ -76,7 +76,9 @@ class Contest:
     def parts(self) -> tuple[Hypothesis, ...]:
         """Return sets inside the leading one that earn their place over the base model too, best first."""
         leading, base = set(self.leading.ids), self.base.score
-        return tuple(h for h in self.tried if set(h.ids) < leading and h.ids and h.score - base > THRESHOLD * len(h.ids))
+        return tuple(
+            h for h in self.tried if set(h.ids) < leading and h.ids and h.score - base > THRESHOLD * len(h.ids)
+        )
 
 
 def run_contest(problem: Problem, most_effects: int = 5) -> Contest:
@@ -124,7 +126,11 @@ def _carries(problem: Problem) -> int:
 
 
 def _race(
-    problem: Problem, frontier: Sequence[Hypothesis], candidates: Sequence[type[Effect]], scales: dict[Scale, float], most: int
+    problem: Problem,
+    frontier: Sequence[Hypothesis],
+    candidates: Sequence[type[Effect]],
+    scales: dict[Scale, float],
+    most: int,
 ) -> list[Fit]:
     """Return the sets one effect larger than those of the frontier after a few steps each, best first."""
     started: dict[frozenset[str], Fit] = {}
@@ -161,7 +167,9 @@ def _lead(problem: Problem, tried: dict[frozenset[str], Hypothesis]) -> Hypothes
     """Return the set with the most evidence after every effect has paid, and in which each is large enough to name."""
     order = sorted(tried.values(), key=lambda h: h.score - THRESHOLD * len(h.ids), reverse=True)
     for hypothesis in order:
-        smaller = [tried[key] for key in tried if key < frozenset(hypothesis.ids) and len(key) == len(hypothesis.ids) - 1]
+        smaller = [
+            tried[key] for key in tried if key < frozenset(hypothesis.ids) and len(key) == len(hypothesis.ids) - 1
+        ]
         if all(size_of(problem, hypothesis, other) >= SMALLEST and _spread_out(hypothesis, other) for other in smaller):
             return hypothesis
     return tried[frozenset()]
@@ -170,10 +178,12 @@ def _lead(problem: Problem, tried: dict[frozenset[str], Hypothesis]) -> Hypothes
 def _spread_out(larger: Hypothesis, smaller: Hypothesis) -> bool:
     """Return whether what a larger set gains rests on more than one sample: an outlier is no effect."""
     before, after = smaller.fit, larger.fit
-    gain = np.concatenate([
-        (before.residual**2 - after.residual**2) / max(after.evidence.level, 1e-15) ** 2,
-        (before.tension_residual**2 - after.tension_residual**2) / max(after.tension_evidence.level, 1e-15) ** 2,
-    ])  # fmt: skip
+    gain = np.concatenate(
+        [
+            (before.residual**2 - after.residual**2) / max(after.evidence.level, 1e-15) ** 2,
+            (before.tension_residual**2 - after.tension_residual**2) / max(after.tension_evidence.level, 1e-15) ** 2,
+        ]
+    )
     total = float(np.sum(gain))
     return total <= 0.0 or float(gain.max()) < _MOST_OF_GAIN * total
 
@@ -215,7 +225,10 @@ def screen(
     Every start of every effect costs one prediction; base and effect parameters already there may move along (linear).
     """
     response, tension = problem.fitted(problem.predict(parent.coordinates, parent.effects))
-    weights = (max(parent.evidence.level, problem.noise), max(parent.tension_evidence.level, problem.tension_noise or 1.0))
+    weights = (
+        max(parent.evidence.level, problem.noise),
+        max(parent.tension_evidence.level, problem.tension_noise or 1.0),
+    )
 
     def stacked(parts: tuple[FloatArray, FloatArray]) -> FloatArray:
         return np.concatenate([parts[0] / weights[0], parts[1] / weights[1]])
@@ -320,4 +333,3 @@ def _prior_width(parameter: Parameter, scales: dict[Scale, float]) -> float:
     scale = scales[parameter.relative_to]
     reach = [abs(start * scale - (parameter.null if not parameter.relative_to else 0.0)) for start in parameter.starts]
     return 2.0 * max(*reach, 1e-9) if len(reach) > 1 else 2.0 * max(reach[0], 1e-9)
-

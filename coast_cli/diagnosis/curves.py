@@ -94,12 +94,15 @@ def _shape_curves(config: Config, recordings: Recordings, diagnosis: Diagnosis, 
     after = corrected.forward.lines([(index, corrected.state(corrected.configured(), ())) for index in jobs])
     return [
         ShapeCurve(
-            run=shape.run, at=shape.at, base=np.stack((old.x[0], old.y[0])), corrected=np.stack((new.x[0], new.y[0])),
+            run=shape.run,
+            at=shape.at,
+            base=np.stack((old.x[0], old.y[0])),
+            corrected=np.stack((new.x[0], new.y[0])),
             curvature=_curvatures(shape, old, new),
             natural=None if shape.is_pair else shape.upward * corrected.natural[shape.tubes[0][0]],
         )
         for shape, old, new in zip(problem.photographs, before, after, strict=True)
-    ]  # fmt: skip
+    ]
 
 
 def _curvatures(shape: Photograph, base: Line, corrected: Line) -> Floats:

@@ -74,13 +74,16 @@ def diagnose_joint(
     reason = _insufficient(problem)
     if reason:
         kind = problem.runs[0].kind
-        return Diagnosis("insufficient", reason, to_unit(kind, problem.noise), UNITS[kind],
-                         next_recording=_FIRST_RECORDING)  # fmt: skip
+        return Diagnosis(
+            "insufficient", reason, to_unit(kind, problem.noise), UNITS[kind], next_recording=_FIRST_RECORDING
+        )
     contest = run_contest(problem, most_effects)
     return _Judge(problem, kept_back, contest).diagnosis()
 
 
-_FIRST_RECORDING = "load from slack to the largest stroke and release to zero, 200 samples or more, at two bending lengths"
+_FIRST_RECORDING = (
+    "load from slack to the largest stroke and release to zero, 200 samples or more, at two bending lengths"
+)
 
 
 def _insufficient(problem: Problem) -> str:
@@ -255,8 +258,9 @@ class _Judge:
                 std = float(np.sqrt(max(final.covariance[place, place], 0.0)))
                 values[parameter.name] = Value(getattr(effect, parameter.name), std, final.at_bound[place])
                 place += 1
-            names[effect.id] = Named(effect.id, effect.kind, effect.component, effect.title, effect.equation,
-                                     confidence, values)  # fmt: skip
+            names[effect.id] = Named(
+                effect.id, effect.kind, effect.component, effect.title, effect.equation, confidence, values
+            )
         return tuple(names[identifier] for identifier in _by_importance(self.problem, self.contest))
 
     def _reason(self, verdict: Verdict, excess: float, structure: Structure) -> str:
@@ -306,8 +310,10 @@ class _Judge:
     def _notes(self) -> tuple[str, ...]:
         runs, notes = self.problem.runs, []
         if not self.problem.holds["time"]:
-            notes.append("there is no time_s: samples are taken as one second apart (assumed), so what lag, creep or drift "
-                         "show is weaker, and their time constants count samples")  # fmt: skip
+            notes.append(
+                "there is no time_s: samples are taken as one second apart (assumed), so what lag, creep or drift "
+                "show is weaker, and their time constants count samples"
+            )
         if not self.problem.holds["release"]:
             notes.append("there is no release, so friction, play and set cannot show")
         elif self.problem.holds["time"] and not self.problem.holds["rates"]:

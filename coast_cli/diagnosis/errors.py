@@ -34,7 +34,9 @@ def to_unit(kind: str, value: float) -> float:
     return value if kind == "curvature" else value / DEGREE
 
 
-def errors_of(problem: Problem, coordinates: FloatArray, effects: Sequence[Effect], rows: Sequence[NDArray[np.bool_]]) -> Errors:
+def errors_of(
+    problem: Problem, coordinates: FloatArray, effects: Sequence[Effect], rows: Sequence[NDArray[np.bool_]]
+) -> Errors:
     """Return the errors of a model on the given rows of every run, outliers and dropped frames left out."""
     return pooled_errors(problem, problem.predict(coordinates, effects), rows)
 
@@ -72,9 +74,7 @@ def _stepped(fitted: Fit, place: int, step: float) -> tuple[FloatArray, tuple[Ef
     return coordinates, tuple(effects)
 
 
-def pooled_errors(
-    problem: Problem, predictions: Sequence[Prediction], rows: Sequence[NDArray[np.bool_]]
-) -> Errors:
+def pooled_errors(problem: Problem, predictions: Sequence[Prediction], rows: Sequence[NDArray[np.bool_]]) -> Errors:
     """Return the errors of given predictions; see ``errors_of``."""
     response, tips = [], []
     for run, prediction, wanted, usable in zip(problem.runs, predictions, rows, problem.usable, strict=True):

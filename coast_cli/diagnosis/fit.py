@@ -150,9 +150,7 @@ def fit(
 
 def _space(problem: Problem, effects: tuple[Effect, ...]) -> _Space:
     low, high = problem.bounds()
-    spread = [
-        0.1 if parameter.logarithmic else max(parameter.prior * 0.3, 1e-6) for parameter in problem.base
-    ]
+    spread = [0.1 if parameter.logarithmic else max(parameter.prior * 0.3, 1e-6) for parameter in problem.base]
     lows, highs, reach, shape = [*low], [*high], [3.0 * s for s in spread], [False] * len(spread)
     for place, own in enumerate(problem.base):
         reach[place] = 0.7 if own.logarithmic else max(own.prior, 1e-6)
@@ -173,9 +171,7 @@ def _prior_residual(problem: Problem, vector: FloatArray) -> FloatArray:
     return np.asarray((vector[:size] - problem.configured()) / width) if size else np.zeros(0)
 
 
-def _weighted(
-    space: _Space, vector: FloatArray, weights: tuple[float, float], colours: tuple[int, int]
-) -> FloatArray:
+def _weighted(space: _Space, vector: FloatArray, weights: tuple[float, float], colours: tuple[int, int]) -> FloatArray:
     response, tension = space.predicted(vector)
     problem = space.problem
     return np.concatenate(

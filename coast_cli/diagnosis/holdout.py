@@ -55,8 +55,13 @@ def check_named(names: Sequence[str], named: Sequence[str]) -> None:
     """
     for name in named:
         if name not in names:
-            raise BadInput("there is no such run", key="--hold-out", found=name, allowed=", ".join(names),
-                           hint=nearest(name, names))  # fmt: skip
+            raise BadInput(
+                "there is no such run",
+                key="--hold-out",
+                found=name,
+                allowed=", ".join(names),
+                hint=nearest(name, names),
+            )
     if named and len(set(named)) == len(names):
         raise BadInput("every run is held out, so none is left to fit", key="--hold-out", allowed="some of the runs")
 
@@ -90,14 +95,18 @@ def _after_first_cycle(runs: Sequence[JointRun]) -> HoldOut | None:
     rows, found = [], False
     for run in runs:
         held = np.zeros(len(run), bool)
-        ways = [part for part in run.branches.parts if part.direction != 0 and part.stop - part.start >= _FEWEST_IN_BRANCH]
+        ways = [
+            part for part in run.branches.parts if part.direction != 0 and part.stop - part.start >= _FEWEST_IN_BRANCH
+        ]
         turns = [part.start for before, part in pairwise(ways) if part.direction != before.direction]
         after = turns[1] if len(turns) >= 2 else len(run)
         if (1.0 - _MOST_KEPT_BACK) * len(run) <= after <= (1.0 - _LEAST_KEPT_BACK) * len(run):
             held[after:] = True
             found = True
         rows.append(held)
-    rule = "what follows the first full cycle, as no whole run can be spared; this is weaker than a run that was not seen"
+    rule = (
+        "what follows the first full cycle, as no whole run can be spared; this is weaker than a run that was not seen"
+    )
     return HoldOut(tuple(rows), (), rule, chosen=True) if found else None
 
 

@@ -116,7 +116,10 @@ def _factors(key: bytes, kernel: Kernel) -> tuple[FloatArray, FloatArray]:
         lag = np.abs(rows[:, np.newaxis] - rows)
         alone = np.eye(rows.size)
         covariance = np.stack(
-            [(1.0 - white) * _correlation(lag, parameter, kernel) + white * alone for parameter, white in _colours(kernel)]
+            [
+                (1.0 - white) * _correlation(lag, parameter, kernel) + white * alone
+                for parameter, white in _colours(kernel)
+            ]
         )
         factor = np.linalg.cholesky(covariance)
         log_determinant = 2.0 * np.sum(np.log(np.diagonal(factor, axis1=1, axis2=2)), axis=1)

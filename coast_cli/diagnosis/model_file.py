@@ -98,7 +98,10 @@ def _step(table: Any, part: str) -> Any:  # noqa: ANN401
 def _origin(config: Config, diagnosis: Diagnosis, recordings: Recordings) -> list[str]:
     from coast_cli.spec.digest import config_digest
 
-    ids = ", ".join(dict.fromkeys([*(e.id for e in diagnosis.effects), *(e.id for e in diagnosis.model_effects)])) or "none"
+    ids = (
+        ", ".join(dict.fromkeys([*(e.id for e in diagnosis.effects), *(e.id for e in diagnosis.model_effects)]))
+        or "none"
+    )
     lines = [
         f"Written by coast diagnose, version {__version__}. Verdict: {diagnosis.verdict}; effects added: {ids}.",
         f"Configuration {config.source or '<text>'}, sha256 {config_digest(config)}",

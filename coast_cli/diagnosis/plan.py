@@ -107,11 +107,17 @@ def outlook(problem: Problem, size: float = 5.0) -> list[Outlook]:
         closest = min(rivals, key=lambda other: rivals[other], default="")
         found.append(
             Outlook(
-                identifier, kind.component, mine.effect, "", view.level(view.raw(mine.effect)),
-                view.level(mine.change), closest, view.scale * rivals.get(closest, float(np.linalg.norm(mine.change))),
+                identifier,
+                kind.component,
+                mine.effect,
+                "",
+                view.level(view.raw(mine.effect)),
+                view.level(mine.change),
+                closest,
+                view.scale * rivals.get(closest, float(np.linalg.norm(mine.change))),
                 problem.observed.size,
             )
-        )  # fmt: skip
+        )
     return found
 
 
@@ -153,9 +159,13 @@ def around(problem: Problem) -> list[Protocol]:
     drives = np.concatenate([run.drive for run in problem.runs])
     lengths = np.unique(np.round(np.concatenate([run.bending_length for run in problem.runs]), 6))
     bench = Bench(
-        first.middle, first.outer, first.kind, first.response.shape[1], first.stroke is not None,
+        first.middle,
+        first.outer,
+        first.kind,
+        first.response.shape[1],
+        first.stroke is not None,
         problem.tension_noise is not None,
-    )  # fmt: skip
+    )
     low, top = float(drives.min()), float(drives.max())
     found = candidates(
         bench, low, top, lengths.tolist(), problem.joints[first.pair].middle.length, _rate(problem, top - low)

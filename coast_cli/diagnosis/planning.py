@@ -70,9 +70,13 @@ class Plan:
             if not 0.0 < length <= longest:
                 raise UsageError(f"--x2: bending lengths are needed; allowed: above 0 and at most {longest:g} mm.")
         bench = Bench(
-            middle, outer, "bend" if self.response == "bend" else "curvature", 1, config.tendon is not None,
+            middle,
+            outer,
+            "bend" if self.response == "bend" else "curvature",
+            1,
+            config.tendon is not None,
             self.tension_noise is not None,
-        )  # fmt: skip
+        )
         meters = [length * MILLIMETRE for length in lengths]
         return standard(bench, low * bench.unit, top * bench.unit, meters, rate * bench.unit, hold).runs
 
@@ -91,8 +95,12 @@ def plan_rows(config: Config, runs: Sequence[JointRun], plan: Plan) -> tuple[lis
     problem = planned(config, runs, noise * unit, plan.tension_noise)
     count = problem.observed.size
     if count < 3 * max(len(problem.base), 1):
-        raise BadInput("too few samples for the model's own parameters", file=runs[0].source, found=count,
-                       allowed=f"at least {3 * len(problem.base)}")  # fmt: skip
+        raise BadInput(
+            "too few samples for the model's own parameters",
+            file=runs[0].source,
+            found=count,
+            allowed=f"at least {3 * len(problem.base)}",
+        )
     found = sorted(outlook(problem, plan.size), key=_order)
     free = ", ".join(parameter.name for parameter in problem.base)
     assumed = " (assumed)" if plan.noise is None else ""

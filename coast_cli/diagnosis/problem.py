@@ -203,9 +203,7 @@ class Problem:
 
     def values(self, coordinates: FloatArray) -> dict[str, float]:
         """Return the base parameters in user units from fit coordinates."""
-        return {
-            p.name: float(np.exp(c) if p.logarithmic else c) for p, c in zip(self.base, coordinates, strict=True)
-        }
+        return {p.name: float(np.exp(c) if p.logarithmic else c) for p, c in zip(self.base, coordinates, strict=True)}
 
     def predict(self, coordinates: FloatArray, effects: Sequence[Effect]) -> list[Prediction]:
         """Return the prediction of every run in order, from base parameters in fit coordinates."""
@@ -280,7 +278,11 @@ class Problem:
                 continue
             joint = self.joints[run.pair]
             stations = stations_for(joint, (), float(run.bending_length[0]), run.kind, run.response.shape[1])
-            divisor = {"curvature": 1.0, "bend": float(run.bending_length.mean()), "notch": float(stations.pitch.mean())}
+            divisor = {
+                "curvature": 1.0,
+                "bend": float(run.bending_length.mean()),
+                "notch": float(stations.pitch.mean()),
+            }
             seen = float(np.nanmax(np.abs(run.response), initial=0.0)) / divisor[run.kind]
             curvature = max(curvature, seen)
             strain = max(strain, seen * float(stations.segment.strain_per_curvature.mean()))

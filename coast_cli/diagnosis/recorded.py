@@ -46,9 +46,12 @@ def _check_names(recordings: Recordings, named: Sequence[str]) -> None:
     for name in named:
         if name not in recordings.run_names:
             raise BadInput(
-                "there is no such run", key="--hold-out", found=name, allowed=", ".join(recordings.run_names),
+                "there is no such run",
+                key="--hold-out",
+                found=name,
+                allowed=", ".join(recordings.run_names),
                 hint=nearest(name, recordings.run_names) or None,
-            )  # fmt: skip
+            )
 
 
 def _check_one_kind(runs: Sequence[JointRun]) -> None:
@@ -56,13 +59,18 @@ def _check_one_kind(runs: Sequence[JointRun]) -> None:
     first = runs[0]
     for run in runs[1:]:
         if (run.kind, run.response.shape[1], run.stroke is None) != (
-            first.kind, first.response.shape[1], first.stroke is None,
-        ):  # fmt: skip
+            first.kind,
+            first.response.shape[1],
+            first.stroke is None,
+        ):
             raise BadInput(
-                f"run {run.name!r} records another response or drive than {first.name!r}", file=run.source,
-                line=int(run.line[0]), found=_words(run), allowed=_words(first),
+                f"run {run.name!r} records another response or drive than {first.name!r}",
+                file=run.source,
+                line=int(run.line[0]),
+                found=_words(run),
+                allowed=_words(first),
                 hint="Diagnose them in calls of their own.",
-            )  # fmt: skip
+            )
 
 
 def _check_units(config: Config, runs: Sequence[JointRun]) -> None:
@@ -79,9 +87,13 @@ def _check_units(config: Config, runs: Sequence[JointRun]) -> None:
         limit = 1.0 / design.tube(run.middle).outer_radius
         if usual > limit:
             raise BadInput(
-                f"run {run.name!r} is bent tighter than its tube is thick", file=run.source, line=int(run.line[0]),
-                found=f"{usual:.3g} 1/m", allowed=f"up to {limit:.3g} 1/m", hint="Is the unit in the column's name right?",
-            )  # fmt: skip
+                f"run {run.name!r} is bent tighter than its tube is thick",
+                file=run.source,
+                line=int(run.line[0]),
+                found=f"{usual:.3g} 1/m",
+                allowed=f"up to {limit:.3g} 1/m",
+                hint="Is the unit in the column's name right?",
+            )
 
 
 def _words(run: JointRun) -> str:

@@ -54,7 +54,9 @@ def _beside(series: FloatArray, drive: FloatArray) -> FloatArray:
     span = after - before
     held = np.abs(span) <= 1e-12 * max(float(np.ptp(drive)), 1e-300)
     part = np.where(held, 0.5, (here - before) / np.where(held, 1.0, span))
-    off = np.abs(series[1:-1] - series[:-2] - part * (series[2:] - series[:-2])) / np.sqrt(1.0 + part**2 + (1.0 - part) ** 2)
+    off = np.abs(series[1:-1] - series[:-2] - part * (series[2:] - series[:-2])) / np.sqrt(
+        1.0 + part**2 + (1.0 - part) ** 2
+    )
     found = np.full(series.size, np.inf)
     found[1:-1] = np.where((part < 0.0) | (part > 1.0), np.inf, off)
     return found

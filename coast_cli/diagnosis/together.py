@@ -56,14 +56,18 @@ def diagnose_together(
         return replace(joint, carried=Carried(shapes, _modulus(shapes, without)))
     taught_config = taught(config, shapes, recordings)
     taught_levels = _Levels(taught_config, recordings, own)
-    share = _share_wanted(without, _Levels(taught(config, shapes, recordings, share=0.5), recordings, own), taught_levels)
+    share = _share_wanted(
+        without, _Levels(taught(config, shapes, recordings, share=0.5), recordings, own), taught_levels
+    )
     agree = share is None or abs(share.value - 1.0) < _AGREE * share.std
     used = agree and taught_levels.held(1) < _WORSE * without.held(1)
     joint = diagnose_joint(taught_config if used else config, runs, named_hold_out=own, most_effects=most_effects)
     rows = [
         _shared(f"{effect.id}.{name}", value, share)
-        for effect in found for name, value in effect.parameters.items() if value.std > 0.0
-    ]  # fmt: skip
+        for effect in found
+        for name, value in effect.parameters.items()
+        if value.std > 0.0
+    ]
     shared = (*rows, *_modulus(shapes, taught_levels if used else without))
     carried = Carried(shapes, shared, without.levels, taught_levels.levels, taught_config if used else None)
     return replace(joint, carried=carried)
@@ -114,7 +118,11 @@ class _Levels:
         found = []
         for coordinates in (self.problem.configured(), self.fit.coordinates):
             train = errors_of(self.problem, coordinates, (), self.problem.train)
-            out = errors_of(self.problem, coordinates, (), kept_back.rows) if any(r.any() for r in kept_back.rows) else None
+            out = (
+                errors_of(self.problem, coordinates, (), kept_back.rows)
+                if any(r.any() for r in kept_back.rows)
+                else None
+            )
             found.append(Level(train.response, None if out is None else out.response))
         self.levels: tuple[Level, Level] = (found[0], found[1])
 
@@ -167,5 +175,8 @@ def _modulus(shapes: Diagnosis, joint: _Levels) -> tuple[Shared, ...]:
     ratio = float(np.exp(joint.fit.coordinates[place])) / joint.problem.base[place].value
     if not (seen.std > 0.0 and std > 0.0):
         return ()
-    one, other = Value(seen.value / before, seen.std / before, at_bound=False), Value(ratio, ratio * std, at_bound=False)
+    one, other = (
+        Value(seen.value / before, seen.std / before, at_bound=False),
+        Value(ratio, ratio * std, at_bound=False),
+    )
     return (_combined("youngs_modulus_over_configured", one, other),)

@@ -26,7 +26,9 @@ class Backlash(Effect):
     equation = "x(t) = clip(x(t-), X1(t), X1(t) + width)"
     source = "play operator: Krasnosel'skii and Pokrovskii, Systems with Hysteresis (1989), ch. 2"
     parameters = (
-        Parameter("width_mm", 0.0, 0.0, 50.0, (0.02, 0.08, 0.25, 0.5), "0.01 to 0.5 mm in screws, more in sheaths", "stroke"),
+        Parameter(
+            "width_mm", 0.0, 0.0, 50.0, (0.02, 0.08, 0.25, 0.5), "0.01 to 0.5 mm in screws, more in sheaths", "stroke"
+        ),
     )
     needs = ("stroke", "release")
     decided_by = "release sweeps from two different strokes, with tension recorded"

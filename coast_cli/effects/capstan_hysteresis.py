@@ -31,11 +31,21 @@ class CapstanHysteresis(Effect):
     parameters = (
         Parameter("pulley_friction", 0.0, 0.0, 0.8, (0.01, 0.05, 0.15, 0.3), "nitinol on steel 0.16 to 0.69"),
         Parameter("notch_friction_exponent", 0.0, 0.0, 0.03, (0.0,), "ln eta a notch: eta 1 to 1.03"),
-        Parameter("spread", 0.0, 0.0, 1.6, (0.3,), "of ln h along the path; Dahl friction rounds like pi/sqrt(6)", role="shape"),
+        Parameter(
+            "spread",
+            0.0,
+            0.0,
+            1.6,
+            (0.3,),
+            "of ln h along the path; Dahl friction rounds like pi/sqrt(6)",
+            role="shape",
+        ),
     )
     needs = ("release",)
     reverses = True
-    decided_by = "release sweeps from two strokes, small and large, with tension recorded: this loop widens with tension"
+    decided_by = (
+        "release sweeps from two strokes, small and large, with tension recorded: this loop widens with tension"
+    )
 
     @property
     def rounding(self) -> float:

@@ -25,7 +25,9 @@ class CoulombFriction(Effect):
     title = "constant friction between the tubes"
     component = "tubes"
     stage = "structure"
-    equation = "load: M = M_elastic + Mc; release: M = M_elastic - Mc, Mc = EI holds_per_m, log-normal along the segment"
+    equation = (
+        "load: M = M_elastic + Mc; release: M = M_elastic - Mc, Mc = EI holds_per_m, log-normal along the segment"
+    )
     source = "Coulomb's law; friction of nested tubes: Lock and Dupont, ICRA 2011"
     parameters = (
         Parameter("holds_per_m", 0.0, 0.0, 500.0, (0.01, 0.04, 0.12), "a part of the curvature reached", "curvature"),

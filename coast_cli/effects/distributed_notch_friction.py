@@ -22,7 +22,15 @@ class DistributedNotchFriction(Effect):
     source = "physics.md, sizes worth knowing: a constant eta is right at one curvature only; mu 0.1 to 0.4"
     parameters = (
         Parameter("coefficient", 0.0, 0.0, 1.5, (0.05, 0.2, 0.5), "tendon in notched nitinol 0.1 to 0.4"),
-        Parameter("own_share", 0.5, 0.0, 1.0, (0.5,), "of a notch's own bend: all of it, none, or one edge of two", role="shape"),
+        Parameter(
+            "own_share",
+            0.5,
+            0.0,
+            1.0,
+            (0.5,),
+            "of a notch's own bend: all of it, none, or one edge of two",
+            role="shape",
+        ),
     )
     reverses = True
     varies_along = True

@@ -121,13 +121,26 @@ class Tables:
     ) -> _Branches:
         """Return the branches of a joint at one bending length (m), tabulated now or before."""
         shaping = tuple(
-            effect for effect in effects if any(getattr(type(effect), n) is not getattr(Effect, n) for n in self._SHAPING)
+            effect
+            for effect in effects
+            if any(getattr(type(effect), n) is not getattr(Effect, n) for n in self._SHAPING)
         )
         radius = None if joint.tendon is None else joint.tendon.radius
         key = (
-            joint.youngs_modulus, joint.pulley_friction, joint.wrap_angle, joint.notch_friction, radius,
-            id(joint.middle), id(joint.outer), shaping, length, layout.kind, layout.columns, layout.curvature_limit, drifted,
-        )  # fmt: skip
+            joint.youngs_modulus,
+            joint.pulley_friction,
+            joint.wrap_angle,
+            joint.notch_friction,
+            radius,
+            id(joint.middle),
+            id(joint.outer),
+            shaping,
+            length,
+            layout.kind,
+            layout.columns,
+            layout.curvature_limit,
+            drifted,
+        )
         if key not in self._found:
             if len(self._found) >= self._MOST:
                 self._found.clear()
@@ -232,7 +245,9 @@ def _bounds(
         return _at_lengths(joint, effects, history, drive, layout, tables, (1.0, 0.0), reverses)
     effect, drift = drifting
     first, last = float(drift.min()), float(drift.max())
-    low_0, high_0, stations = _at_lengths(joint, effects, history, drive, layout, tables, effect.drifted(first), reverses)
+    low_0, high_0, stations = _at_lengths(
+        joint, effects, history, drive, layout, tables, effect.drifted(first), reverses
+    )
     if last - first < 1e-12:
         return low_0, high_0, stations
     low_1, high_1, _ = _at_lengths(joint, effects, history, drive, layout, tables, effect.drifted(last), reverses)
@@ -286,7 +301,9 @@ def _at_lengths(
 
 
 def _look_up(
-    tables: _Tables, drive: FloatArray, reverses: bool  # noqa: FBT001 -- private
+    tables: _Tables,
+    drive: FloatArray,
+    reverses: bool,  # noqa: FBT001 -- private
 ) -> tuple[FloatArray, FloatArray | None, Stations]:
     def at(axis: FloatArray, values: FloatArray) -> FloatArray:
         out = np.empty((drive.size, values.shape[1]))
@@ -299,9 +316,7 @@ def _look_up(
     return low, high, tables.stations
 
 
-def _tabulate(
-    joint: Joint, effects: Sequence[Effect], branches: _Branches, *, stroke_driven: bool
-) -> _Tables:
+def _tabulate(joint: Joint, effects: Sequence[Effect], branches: _Branches, *, stroke_driven: bool) -> _Tables:
     """Return both branches at one bending length, each as a strictly usable axis: a jump is where it cannot hold."""
     sides = []
     rest = 0.0

@@ -25,8 +25,14 @@ class NotchClosure(Effect):
     source = "physics.md, sizes worth knowing: notch faces touch at cut/(ro + ybar)"
     parameters = (
         Parameter(
-            "closure_ratio", 1.0, 1e-4, 3.0, (0.35, 0.55, 0.75, 0.9),
-            "1 by geometry; burrs close early", "closure", role="shape"
+            "closure_ratio",
+            1.0,
+            1e-4,
+            3.0,
+            (0.35, 0.55, 0.75, 0.9),
+            "1 by geometry; burrs close early",
+            "closure",
+            role="shape",
         ),
         Parameter("added_stiffness", 0.0, 0.0, 200.0, (2.0, 20.0), "the closed strip is a full ring in compression"),
         Parameter(

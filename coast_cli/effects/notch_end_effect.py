@@ -21,9 +21,13 @@ class NotchEndEffect(Effect):
     title = "stress spreads from strip to ring"
     component = "tube"
     stage = "structure"
-    equation = "pitch/EI = uncut/EI_1 + (cut + table_share delta)/EI_2, delta(d, uncut, ri/ro) from solid finite elements"
+    equation = (
+        "pitch/EI = uncut/EI_1 + (cut + table_share delta)/EI_2, delta(d, uncut, ri/ro) from solid finite elements"
+    )
     source = "physics.md, left out by P: 3-D solid finite elements of one cell; examples/solid"
-    parameters = (Parameter("table_share", 0.0, 0.0, 4.0, (1.0,), "1 is the table's own length, within a few per cent"),)
+    parameters = (
+        Parameter("table_share", 0.0, 0.0, 4.0, (1.0,), "1 is the table's own length, within a few per cent"),
+    )
     needs = ("pairs",)
     decided_by = "the same sweep with a second pair of another notch depth or cut length"
 

@@ -32,17 +32,33 @@ class SnapThrough(Effect):
     source = "P, section on pair choice: snapping seen where the outer tube leads; two stable curvatures for one moment"
     parameters = (
         Parameter(
-            "curvature_per_m", 20.0, 0.5, 200.0, (0.2, 0.35, 0.5, 0.65, 0.8),
-            "where it was seen", "curvature", role="shape"
+            "curvature_per_m",
+            20.0,
+            0.5,
+            200.0,
+            (0.2, 0.35, 0.5, 0.65, 0.8),
+            "where it was seen",
+            "curvature",
+            role="shape",
         ),
         Parameter("drop", 0.0, 0.0, 1.2, (0.15, 0.4), "share of the moment that is let go"),
         Parameter(
-            "sharpness", 0.5, 0.05, 0.9, (0.4,),
-            "under 1 the moment falls while it lets go, as two stable states need", role="shape"
+            "sharpness",
+            0.5,
+            0.05,
+            0.9,
+            (0.4,),
+            "under 1 the moment falls while it lets go, as two stable states need",
+            role="shape",
         ),
         Parameter(
-            "back", 0.8, 0.1, 1.0, (0.9, 0.6),
-            "moment at which it comes back over that at which it lets go", role="shape"
+            "back",
+            0.8,
+            0.1,
+            1.0,
+            (0.9, 0.6),
+            "moment at which it comes back over that at which it lets go",
+            role="shape",
         ),
     )
     needs = ("outer",)

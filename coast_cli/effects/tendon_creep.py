@@ -26,7 +26,15 @@ class TendonCreep(Effect):
     parameters = (
         Parameter("fraction", 0.0, 0.0, 1.5, (0.1,), "delayed over elastic stretch"),
         Parameter(
-            "time_constant_s", 10.0, 0.05, 5000.0, (0.02, 0.06, 0.2, 0.6), "seconds to an hour", "duration", role="shape"),
+            "time_constant_s",
+            10.0,
+            0.05,
+            5000.0,
+            (0.02, 0.06, 0.2, 0.6),
+            "seconds to an hour",
+            "duration",
+            role="shape",
+        ),
     )
     needs = ("stroke", "time")
     decided_by = "a hold of 60 s at the largest stroke, then release and a hold at zero, with tension recorded"

@@ -29,12 +29,16 @@ class TendonPermanentSet(Effect):
     parameters = (
         Parameter("slack_mm_per_n", 0.0, 0.0, 3.0, (0.1,), "up to a per cent of a 0.4 m wire"),
         Parameter(
-            "threshold_n", 0.0, 0.0, 20.0, (0.0, 0.4, 0.7),
-            "below the plateau nothing is left", "tension", role="shape"
+            "threshold_n", 0.0, 0.0, 20.0, (0.0, 0.4, 0.7), "below the plateau nothing is left", "tension", role="shape"
         ),
         Parameter(
-            "carried", 1.0, 0.0, 1.0, (1.0, 0.0),
-            "share that is still there in later runs; 0 where re-zeroed", role="shape"
+            "carried",
+            1.0,
+            0.0,
+            1.0,
+            (1.0, 0.0),
+            "share that is still there in later runs; 0 where re-zeroed",
+            role="shape",
         ),
     )
     needs = ("stroke",)

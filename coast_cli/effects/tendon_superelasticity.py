@@ -25,7 +25,16 @@ class TendonSuperelasticity(Effect):
     equation = "stretch = F/k + extra_compliance past(F, knee)/k"
     source = "plateau 360 to 650 MPa loading, slope 3 to 10 % of E (physics.md, sizes worth knowing)"
     parameters = (
-        Parameter("knee_n", 1.0, 0.02, 20.0, (0.3, 0.55, 0.75), "plateau stress times the wire's area", "tension", role="shape"),
+        Parameter(
+            "knee_n",
+            1.0,
+            0.02,
+            20.0,
+            (0.3, 0.55, 0.75),
+            "plateau stress times the wire's area",
+            "tension",
+            role="shape",
+        ),
         Parameter("extra_compliance", 0.0, 0.0, 40.0, (2.0,), "plateau slope 3 to 10 % of E"),
         Parameter("knee_width", 0.1, 0.01, 0.5, (0.1,), "relative to the knee; grains yield one by one", role="shape"),
     )

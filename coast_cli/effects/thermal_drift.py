@@ -33,8 +33,14 @@ class ThermalDrift(Effect):
         Parameter("zero_change", 0.0, -100.0, 100.0, (0.0, 0.05), "SI unit of the response", "response"),
         Parameter("rest_change_per_m", 0.0, -60.0, 60.0, (0.0, 0.05), "as large as a natural curvature", "curvature"),
         Parameter(
-            "time_constant_s", 1000.0, 0.05, 1e6, (0.1, 0.4, 3.0),
-            "a fraction of the recording and longer", "duration", role="shape"
+            "time_constant_s",
+            1000.0,
+            0.05,
+            1e6,
+            (0.1, 0.4, 3.0),
+            "a fraction of the recording and longer",
+            "duration",
+            role="shape",
         ),
     )
     needs = ("time",)

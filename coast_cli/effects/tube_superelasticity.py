@@ -25,13 +25,18 @@ class TubeSuperelasticity(Effect):
     source = "plateau 360 to 650 MPa, slope 3 to 10 % of E (physics.md, sizes worth knowing)"
     parameters = (
         Parameter(
-            "knee_strain", 1.0, 1e-5, 1.0, (0.25, 0.45, 0.65, 0.85),
-            "plateau stress over E: 0.5 to 1.6 %", "strain", role="shape"
+            "knee_strain",
+            1.0,
+            1e-5,
+            1.0,
+            (0.25, 0.45, 0.65, 0.85),
+            "plateau stress over E: 0.5 to 1.6 %",
+            "strain",
+            role="shape",
         ),
         Parameter("stiffness_lost", 0.0, 0.0, 0.98, (0.5,), "plateau slope 3 to 10 % of E"),
         Parameter(
-            "knee_width", 0.1, 0.01, 0.6, (0.15,),
-            "relative to the knee; the strip yields from its edge", role="shape"
+            "knee_width", 0.1, 0.01, 0.6, (0.15,), "relative to the knee; the strip yields from its edge", role="shape"
         ),
     )
     decided_by = "one loading sweep to the largest stroke at the shortest bending length, with tension recorded"

@@ -78,9 +78,16 @@ def _march(pieces, loads, share, state):  # type: ignore[no-untyped-def]  # noqa
         for j in range(LANES):
             length, flexibility, load = pieces[i, 0, j], pieces[i, 1, j], pieces[i, 3, j] * share
             turn, cosine, sine, moment, forces, series = _turn(
-                length, flexibility, pieces[i, 2, j], load, loads[1, j] * share,
-                state[1, j], state[2, j], state[3, j], state[4, j],
-            )  # fmt: skip
+                length,
+                flexibility,
+                pieces[i, 2, j],
+                load,
+                loads[1, j] * share,
+                state[1, j],
+                state[2, j],
+                state[3, j],
+                state[4, j],
+            )
             state[5, j], state[6, j] = _tangent(length, flexibility, forces, series, state[5, j], state[6, j])
             state[0, j] += turn
             state[1, j], state[2, j], state[3, j] = cosine, sine, moment
@@ -95,9 +102,16 @@ def _march_turn(pieces, loads, state):  # type: ignore[no-untyped-def]  # noqa: 
     for i in range(pieces.shape[0]):
         for j in range(LANES):
             turn, cosine, sine, moment, _, _ = _turn(
-                pieces[i, 0, j], pieces[i, 1, j], pieces[i, 2, j], pieces[i, 3, j], loads[1, j],
-                state[1, j], state[2, j], state[3, j], state[4, j],
-            )  # fmt: skip
+                pieces[i, 0, j],
+                pieces[i, 1, j],
+                pieces[i, 2, j],
+                pieces[i, 3, j],
+                loads[1, j],
+                state[1, j],
+                state[2, j],
+                state[3, j],
+                state[4, j],
+            )
             state[0, j] += turn
             state[1, j], state[2, j], state[3, j] = cosine, sine, moment
             state[4, j] += pieces[i, 3, j]
@@ -115,9 +129,16 @@ def _march_tip(pieces, loads, state):  # type: ignore[no-untyped-def]  # noqa: A
         for j in range(LANES):
             length, flexibility = pieces[i, 0, j], pieces[i, 1, j]
             turn, cosine, sine, moment, forces, series = _turn(
-                length, flexibility, pieces[i, 2, j], pieces[i, 3, j], loads[1, j],
-                state[1, j], state[2, j], state[3, j], state[4, j],
-            )  # fmt: skip
+                length,
+                flexibility,
+                pieces[i, 2, j],
+                pieces[i, 3, j],
+                loads[1, j],
+                state[1, j],
+                state[2, j],
+                state[3, j],
+                state[4, j],
+            )
             along_x, along_y = _displacement(length, state[1, j], state[2, j], series)
             slope, moment_slope = _tangent(length, flexibility, forces, series, state[5, j], state[6, j])
             mean_slope = 0.5 * (slope + state[5, j])
@@ -277,9 +298,16 @@ def _largest_moment(cells, loads, state, tip, largest):  # type: ignore[no-untyp
     for i in range(cells.shape[0]):
         for j in range(LANES):
             _, state[1, j], state[2, j], state[3, j], _, _ = _turn(
-                cells[i, 0, j], cells[i, 1, j], cells[i, 2, j], cells[i, 3, j], loads[1, j],
-                state[1, j], state[2, j], state[3, j], state[4, j],
-            )  # fmt: skip
+                cells[i, 0, j],
+                cells[i, 1, j],
+                cells[i, 2, j],
+                cells[i, 3, j],
+                loads[1, j],
+                state[1, j],
+                state[2, j],
+                state[3, j],
+                state[4, j],
+            )
             state[4, j] += cells[i, 3, j]
             largest[j] = max(largest[j], abs(state[3, j]))
 

@@ -157,9 +157,7 @@ def curvature_from_stroke(joint: Joint, stroke_length: ArrayLike, bending_length
     while steps < _MOST_STEPS:
         steps += 1
         half = kappa * joint.pitch / 2.0
-        slope = stretch + count * joint.pitch * (
-            joint.lever_arm * np.cos(half) - joint.cut / 2.0 * _sinc_slope(half)
-        )
+        slope = stretch + count * joint.pitch * (joint.lever_arm * np.cos(half) - joint.cut / 2.0 * _sinc_slope(half))
         excess = tendon_shortening(joint, kappa, length) + stretch * kappa - wanted
         change = excess / slope
         kappa = np.maximum(kappa - change, 0.0)
@@ -196,5 +194,7 @@ def _sinc_slope(half: FloatArray) -> FloatArray:
 
 def _tendon(joint: Joint) -> Tendon:
     if joint.tendon is None:
-        raise BadInput("a stroke needs a tendon", key="tendon", allowed="a [tendon] table with radius, modulus and length")
+        raise BadInput(
+            "a stroke needs a tendon", key="tendon", allowed="a [tendon] table with radius, modulus and length"
+        )
     return joint.tendon

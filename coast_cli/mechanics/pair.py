@@ -92,9 +92,7 @@ def pair_table(
     return table
 
 
-def integrated(
-    outer: NotchedTube, middle: NotchedTube, angles: tuple[NDArray[Any], NDArray[Any]]
-) -> dict[str, Any]:
+def integrated(outer: NotchedTube, middle: NotchedTube, angles: tuple[NDArray[Any], NDArray[Any]]) -> dict[str, Any]:
     """Return what (8) integrates to for one pair of solved tubes, named as in ``PairTable``; numbers may be complex.
 
     Args:
@@ -110,9 +108,7 @@ def integrated(
 
 def _together(outer: _Pieces, middle: _Pieces, weighted: str = "", rows: slice = slice(None)) -> NDArray[Any]:
     """Return the sum of both rigidities, or of rigidities times an attribute, shape (middle, outer, pieces)."""
-    one, two = (
-        tubes.rigidity * getattr(tubes, weighted) if weighted else tubes.rigidity for tubes in (outer, middle)
-    )
+    one, two = (tubes.rigidity * getattr(tubes, weighted) if weighted else tubes.rigidity for tubes in (outer, middle))
     return one + two[rows, None, :]
 
 

@@ -39,7 +39,9 @@ def plot_comparison(comparison: Comparison) -> tuple[Picture, tuple[str, ...]]:
             above.set_title(one.run.name)
 
     picture = Picture((PANEL_INCHES[0] * columns, PANEL_INCHES[1] * rows), paint)
-    return picture, (f"the picture shows the first {MOST_PANELS} of {len(runs)} runs.",) if len(runs) > len(shown) else ()
+    return picture, (f"the picture shows the first {MOST_PANELS} of {len(runs)} runs.",) if len(runs) > len(
+        shown
+    ) else ()
 
 
 def _joint(one: JointErrors, above: Any, below: Any) -> None:  # noqa: ANN401

@@ -90,7 +90,12 @@ def plot_shapes(columns: Mapping[str, Any]) -> Picture:
             rows = names == tube
             axes.plot(x[rows], y[rows], "-", color=colour)
             axes.annotate(
-                short(tube), (x[rows][-1], y[rows][-1]), xytext=(4, 0), textcoords="offset points", color=colour, va="center"
+                short(tube),
+                (x[rows][-1], y[rows][-1]),
+                xytext=(4, 0),
+                textcoords="offset points",
+                color=colour,
+                va="center",
             )
         axes.set_aspect("equal", adjustable="box")
         middle = 0.5 * float(y.min() + y.max())
@@ -134,7 +139,9 @@ def plot_tolerance(pair: str, rows: Iterable[Mapping[str, Any]], columns: Mappin
             axes.set_axis_off()
         for axes, row in zip(panels, figures, strict=False):
             label, values = LABELS[row["name"]], _shown(row["name"], columns[row["name"]])
-            axes.hist(values[np.isfinite(values)], bins=min(1 + int(values.size**0.5), 60), color=COLOURS[0], alpha=0.75, lw=0)
+            axes.hist(
+                values[np.isfinite(values)], bins=min(1 + int(values.size**0.5), 60), color=COLOURS[0], alpha=0.75, lw=0
+            )
             if row["nominal"] is not None:
                 axes.axvline(row["nominal"] * label.scale, color="black", lw=1.0, label="as drawn")
             for limit in limits:
@@ -174,7 +181,14 @@ def _names(axes: Any, names: Iterable[Any], x: Any, y: Any) -> None:  # noqa: AN
         gaps = [np.nanmin(np.hypot(*(others - places[row] - middle).T), initial=_CLEAR) for _, _, middle in _CORNERS]
         at, align, _ = _CORNERS[int(np.argmax(gaps))]  # the first that is clear
         axes.annotate(
-            str(name), (x[row], y[row]), xytext=at, textcoords="offset points", ha=align, fontsize=8, bbox=clear, zorder=1.5
+            str(name),
+            (x[row], y[row]),
+            xytext=at,
+            textcoords="offset points",
+            ha=align,
+            fontsize=8,
+            bbox=clear,
+            zorder=1.5,
         )
 
 

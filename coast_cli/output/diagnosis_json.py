@@ -24,8 +24,11 @@ def render(answer: DiagnosisAnswer, stream: IO[str]) -> None:
 def document(answer: DiagnosisAnswer) -> dict[str, Any]:
     """Return the diagnosis as plain tables and lists."""
     notes = [*answer.diagnosis.notes, *answer.notes]
-    return {"schema": "coast.diagnosis/1", **_answers(answer.diagnosis, answer.drive_unit, notes),
-            "provenance": dict(answer.provenance)}  # fmt: skip
+    return {
+        "schema": "coast.diagnosis/1",
+        **_answers(answer.diagnosis, answer.drive_unit, notes),
+        "provenance": dict(answer.provenance),
+    }
 
 
 def _answers(found: Diagnosis, drive_unit: str, notes: list[str]) -> dict[str, Any]:
@@ -58,13 +61,21 @@ def _carried(carried: Carried) -> dict[str, Any]:
     return {
         "shapes": _answers(carried.shapes, "mm", list(carried.shapes.notes)),
         "shared": [
-            {"name": one.name, "shapes": _value(one.shapes), "joint": None if one.joint is None else _value(one.joint),
-             "together": None if one.together is None else _value(one.together), "agree": one.agree}
+            {
+                "name": one.name,
+                "shapes": _value(one.shapes),
+                "joint": None if one.joint is None else _value(one.joint),
+                "together": None if one.together is None else _value(one.together),
+                "agree": one.agree,
+            }
             for one in carried.shared
         ],
-        "carried_over": {"used": carried.config is not None, "without": levels(carried.without),
-                         "with": levels(carried.with_it)},
-    }  # fmt: skip
+        "carried_over": {
+            "used": carried.config is not None,
+            "without": levels(carried.without),
+            "with": levels(carried.with_it),
+        },
+    }
 
 
 def number(value: float | None) -> float | None:

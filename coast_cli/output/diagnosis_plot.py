@@ -122,7 +122,9 @@ def _bend(curve: ShapeCurve, found: Diagnosis, axes: Any) -> None:  # noqa: ANN4
 
 def _models(curve: Curve | ShapeCurve, found: Diagnosis) -> list[tuple[Floats, str, str]]:
     models = [(curve.base, _BASE, "base refitted")]
-    return [*models, (curve.corrected, _CORRECTED, "with effects")] if found.model_effects or found.model_tubes else models
+    return (
+        [*models, (curve.corrected, _CORRECTED, "with effects")] if found.model_effects or found.model_tubes else models
+    )
 
 
 def _columns(response: Floats) -> list[int]:

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from coast_cli.diagnosis.answer import Diagnosis
     from coast_cli.output.diagnosis import DiagnosisAnswer
 
+
 def report(answer: DiagnosisAnswer) -> str:
     """Return the page."""
     found = answer.diagnosis

@@ -180,9 +180,11 @@ def carried_over(carried: Carried, unit: str) -> str:
     """Return what the joint took over from the shapes and what that changes in it, as sentences."""
     if carried.without is None or carried.with_it is None:
         return f"The shapes find nothing in the tubes that a joint would share (verdict: {carried.shapes.verdict})."
-    said = "What they find in the tubes is part of the model above." if carried.config is not None else (
-        "The strokes contradict what they find in the tubes, so it is not part of the model above."
-    )  # fmt: skip
+    said = (
+        "What they find in the tubes is part of the model above."
+        if carried.config is not None
+        else ("The strokes contradict what they find in the tubes, so it is not part of the model above.")
+    )
     before, after = ([_on_rows(level) for level in pair] for pair in (carried.without, carried.with_it))
     held = "train / held out" if carried.with_it[0].held_out is not None else "train"
     return (
@@ -199,12 +201,14 @@ def shared_rows(carried: Carried) -> list[tuple[str, str, str, str, str]]:
     """Return the numbers that both measure: name, by shapes, by strokes, by both, whether they agree."""
     return [
         (
-            one.name, measured(one.shapes), "cannot tell" if one.joint is None else measured(one.joint),
+            one.name,
+            measured(one.shapes),
+            "cannot tell" if one.joint is None else measured(one.joint),
             "" if one.together is None else measured(one.together),
             "" if one.agree is None else "yes" if one.agree else "no",
         )
         for one in carried.shared
-    ]  # fmt: skip
+    ]
 
 
 SHARED_COLUMNS = ("shared with the shapes", "by shapes", "by strokes", "by both", "agree")

@@ -62,9 +62,7 @@ def _keys_below(prefix: str, table: dict[str, Any], shared: dict[str, Any]) -> I
         full = f"{prefix}{name}"
         kind = "check" if prefix == "checks." else "configuration key"
         yield _entry(full, kind, key.get("description", ""), _allowed(key))
-        for inner, mark in (
-            (key, ""), (key.get("items"), "[]."), (key.get("additionalProperties"), ".NAME.")
-        ):  # fmt: skip
+        for inner, mark in ((key, ""), (key.get("items"), "[]."), (key.get("additionalProperties"), ".NAME.")):
             reference = inner.get("$ref") if isinstance(inner, dict) else None
             if reference:
                 yield from _keys_below(full + (mark or "."), shared[reference.rpartition("/")[2]], shared)

@@ -88,10 +88,16 @@ class Group(NamedTuple):
 def page(title: str, body: Iterable[str]) -> str:
     """Return a whole document."""
     head = [
-        "<!DOCTYPE html>", '<html lang="en">', "<head>", '<meta charset="utf-8">',
+        "<!DOCTYPE html>",
+        '<html lang="en">',
+        "<head>",
+        '<meta charset="utf-8">',
         '<meta name="viewport" content="width=device-width, initial-scale=1">',
-        f"<title>{escape(title)}</title>", f"<style>\n{_STYLE}\n</style>", "</head>", "<body>",
-    ]  # fmt: skip
+        f"<title>{escape(title)}</title>",
+        f"<style>\n{_STYLE}\n</style>",
+        "</head>",
+        "<body>",
+    ]
     return "\n".join([*head, *body, "</body>", "</html>", ""])
 
 

@@ -48,7 +48,8 @@ def written(values: Sequence[float | None], digits: int = 4) -> list[str]:
     largest = max((abs(value) for value in values if value is not None and isfinite(value)), default=0.0)
     decimals = min(max(digits - 1 - floor(log10(largest)), 0), 9) if largest > 0.0 else 0
     return [
-        "-" if value is None or not isfinite(value) else f"{round(value, decimals) + 0.0:.{decimals}f}" for value in values
+        "-" if value is None or not isfinite(value) else f"{round(value, decimals) + 0.0:.{decimals}f}"
+        for value in values
     ]
 
 

@@ -31,11 +31,18 @@ def plot_path(plan: PathPlan) -> Picture:
         for number, row in enumerate(shown):
             x, y = plan.body.place(np.linspace(0.0, feed[row] * MILLIMETRE, _POINTS))
             first = number == 0
-            axes.plot(x / MILLIMETRE, y / MILLIMETRE, color=COLOURS[0], lw=2.6, alpha=0.3, label="robot" if first else None)
+            axes.plot(
+                x / MILLIMETRE, y / MILLIMETRE, color=COLOURS[0], lw=2.6, alpha=0.3, label="robot" if first else None
+            )
             mark, colour = (".", COLOURS[0]) if reachable[row] else ("x", COLOURS[1])
             axes.plot(x[-1] / MILLIMETRE, y[-1] / MILLIMETRE, mark, color=colour, ms=7)
-            axes.annotate(f"{feed[row]:.4g} mm", (x[-1] / MILLIMETRE, y[-1] / MILLIMETRE), xytext=(7, -4),
-                          textcoords="offset points", fontsize=7)  # fmt: skip
+            axes.annotate(
+                f"{feed[row]:.4g} mm",
+                (x[-1] / MILLIMETRE, y[-1] / MILLIMETRE),
+                xytext=(7, -4),
+                textcoords="offset points",
+                fontsize=7,
+            )
         axes.set(xlabel="x (mm)", ylabel="y (mm)")
         axes.set_aspect("equal", adjustable="datalim")
         axes.margins(0.12)
@@ -60,8 +67,11 @@ def plot_path(plan: PathPlan) -> Picture:
         lower = figure.add_subplot(grid[1, 1], sharex=upper)
         poses(left)
         drive = "stroke_mm" if any(value is not None for value in columns["stroke_mm"]) else "tension_n"
-        control(upper, {drive: "X1" if drive == "stroke_mm" else "tension"},
-                "tendon stroke (mm)" if drive == "stroke_mm" else "tension (N)")  # fmt: skip
+        control(
+            upper,
+            {drive: "X1" if drive == "stroke_mm" else "tension"},
+            "tendon stroke (mm)" if drive == "stroke_mm" else "tension (N)",
+        )
         control(lower, {"bending_length_mm": "X2 bend", "outer_advance_mm": "X3 outer tube"}, "length (mm)")
         upper.tick_params(labelbottom=False)
         lower.set_xlabel("feed (mm)")

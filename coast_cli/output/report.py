@@ -22,7 +22,9 @@ from coast_cli.output.report_design import (
 )
 from coast_cli.output.report_inputs import inputs_of, inputs_section, said_of
 
-NO_PICTURES = "There are no pictures, since matplotlib is not installed: `pip install 'coast-cli[plot]'` and run it again."
+NO_PICTURES = (
+    "There are no pictures, since matplotlib is not installed: `pip install 'coast-cli[plot]'` and run it again."
+)
 
 
 def page_of(answer: DesignReport) -> str:
@@ -31,9 +33,12 @@ def page_of(answer: DesignReport) -> str:
     titles = {anchor: title for anchor, (title, _) in parts.items()} | {"provenance": "Provenance"}
     links = "\n".join(f'<a href="#{anchor}">{escape(title)}</a>' for anchor, title in titles.items())
     body = [
-        f"<h1>{escape(answer.pair)}: design report</h1>", _inputs_line(answer), _summary(answer),
-        paragraph("" if can_draw() else NO_PICTURES), f"<nav>\n{links}\n</nav>",
-    ]  # fmt: skip
+        f"<h1>{escape(answer.pair)}: design report</h1>",
+        _inputs_line(answer),
+        _summary(answer),
+        paragraph("" if can_draw() else NO_PICTURES),
+        f"<nav>\n{links}\n</nav>",
+    ]
     for anchor, (title, content) in parts.items():
         body.append(section(title, content or paragraph(answer.missing[anchor]), anchor=anchor))
     body.append(section(titles["provenance"], _provenance(), footer(answer.provenance), anchor="provenance"))
@@ -49,10 +54,11 @@ def _parts(answer: DesignReport) -> dict[str, tuple[str, str]]:
         "shapes": ("Shapes under gravity", shapes_section(*answer.shapes, pair)),
         "strokes": (f"Strokes of {pair}", strokes_section(*answer.strokes) if answer.strokes else ""),
         "tolerances": (
-            "Tolerances", tolerance_section(config, pair, answer.tolerance, answer.samples) if answer.tolerance else "",
+            "Tolerances",
+            tolerance_section(config, pair, answer.tolerance, answer.samples) if answer.tolerance else "",
         ),
         "checks": ("Checks", checks_section(config, answer.checks) if answer.checks else ""),
-    }  # fmt: skip
+    }
     if answer.diagnosis is not None:
         headline = HEADLINES[answer.diagnosis.diagnosis.verdict]
         content = "\n".join([f"<p><b>{escape(headline)}</b></p>", *sections(answer.diagnosis, level=3)])
@@ -64,7 +70,9 @@ def _inputs_line(answer: DesignReport) -> str:
     """Return which file this is about and which version said so."""
     config = answer.provenance["configs"][0]
     version = answer.provenance["versions"]["coast"]
-    return f"<p><code>{escape(config['file'])}</code>, sha256 <code>{config['sha256'][:16]}</code>, by coast {version}</p>"
+    return (
+        f"<p><code>{escape(config['file'])}</code>, sha256 <code>{config['sha256'][:16]}</code>, by coast {version}</p>"
+    )
 
 
 def _summary(answer: DesignReport) -> str:

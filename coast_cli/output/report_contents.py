@@ -105,9 +105,20 @@ def contents(design: Design, wanted: Wanted, recordings: Recordings | None = Non
     shown = {"pair": pair, "samples": wanted.samples, "hold_out": list(wanted.hold_out)}
     origin = provenance(config, recordings=recordings.sources if recordings else (), options=shown, seed=wanted.seed)
     return DesignReport(
-        config, pair, chosen, origin, shapes, options, ranking, strokes, tolerance, wanted.samples, checks,
-        None if recordings is None else _diagnosis(config, recordings, wanted, origin), missing,
-    )  # fmt: skip
+        config,
+        pair,
+        chosen,
+        origin,
+        shapes,
+        options,
+        ranking,
+        strokes,
+        tolerance,
+        wanted.samples,
+        checks,
+        None if recordings is None else _diagnosis(config, recordings, wanted, origin),
+        missing,
+    )
 
 
 def _pair(design: Design, ranking: Ranking | None, recordings: Recordings | None, asked: str | None) -> tuple[str, str]:

@@ -33,9 +33,14 @@ _MOST_ROWS = 200
 _FRONT = "●"
 _CHANCES = {"all": "all checks hold", "impossible": "cannot be made or assembled"}
 _PAIR_FIGURES = (
-    "score", "total_precurvature_rad", "signed_precurvature_rad", "rigidity_ratio_mean", "rigidity_ratio_series",
-    "total_rigidity_mean_n_m2", "total_rigidity_series_n_m2",
-)  # fmt: skip
+    "score",
+    "total_precurvature_rad",
+    "signed_precurvature_rad",
+    "rigidity_ratio_mean",
+    "rigidity_ratio_series",
+    "total_rigidity_mean_n_m2",
+    "total_rigidity_series_n_m2",
+)
 _ASKED = ("curvature_per_m",)  # written as it was asked for
 _STROKE_FIGURES = ("curvature_per_m", "stroke_mm", "tension_n", "tendon_strain", "tip_x_mm", "tip_y_mm")
 
@@ -48,19 +53,27 @@ def ranking_section(ranking: Ranking, options: RankOptions, pair: str) -> str:
     names = [f"{outer}/{middle}" for outer, middle in zip(columns["outer"], columns["middle"], strict=True)]
     shown = [k for k in range(count) if k < _MOST_PAIRS or names[k] == pair]
     head = [
-        Column("rank"), Column("sample", holds="key"), Column("pair", holds="key"), Column("front", holds="key"),
-        *(Column(LABELS[name].words, LABELS[name].unit) for name in _PAIR_FIGURES), Column("leads", holds="key"),
-    ]  # fmt: skip
+        Column("rank"),
+        Column("sample", holds="key"),
+        Column("pair", holds="key"),
+        Column("front", holds="key"),
+        *(Column(LABELS[name].words, LABELS[name].unit) for name in _PAIR_FIGURES),
+        Column("leads", holds="key"),
+    ]
     rows = [
         Row(
             [
-                str(columns["rank"][k]), str(columns["sample"][k]), names[k], _FRONT if columns["pareto"][k] else "",
-                *(values[k] for values in figures), columns["leading_tube"][k] or "-",
+                str(columns["rank"][k]),
+                str(columns["sample"][k]),
+                names[k],
+                _FRONT if columns["pareto"][k] else "",
+                *(values[k] for values in figures),
+                columns["leading_tube"][k] or "-",
             ],
             "chosen" if names[k] == pair else "",
         )
         for k in shown
-    ]  # fmt: skip
+    ]
     weights = ", ".join(f"{weight:g}" for weight in options.weights)
     said = (
         f"The score joins total pre-curvature, |ln(rigidity ratio)| and total EI, each scaled to 0..1 over the pairs, with "
@@ -98,7 +111,9 @@ def strokes_section(columns: Columns, notes: Sequence[str]) -> str:
     shown = range(min(len(columns["curvature_per_m"]), _MOST_ROWS))
     tendon = any(value is not None for value in columns["stroke_mm"])
     names = [name for name in _STROKE_FIGURES if tendon or name not in {"stroke_mm", "tendon_strain"}]
-    figures = [[f"{value:.6g}" for value in columns[name]] if name in _ASKED else column(name, columns[name]) for name in names]
+    figures = [
+        [f"{value:.6g}" for value in columns[name]] if name in _ASKED else column(name, columns[name]) for name in names
+    ]
     groups: dict[float, list[Row]] = {}
     for k in shown:
         groups.setdefault(float(columns["bending_length_mm"][k]), []).append(Row([values[k] for values in figures]))
@@ -108,9 +123,7 @@ def strokes_section(columns: Columns, notes: Sequence[str]) -> str:
     more = [f"{left} more rows: `coast stroke` lists them all."] if left else []
     head = [Column(LABELS[name].words, LABELS[name].unit) for name in names]
     words = f"Curvature over {'stroke' if tendon else 'tension'}, a line for each bending length X2"
-    return joined(
-        paragraph(said), figure(plot_strokes(columns), words), grouped(head, parts), _notes([*more, *notes])
-    )
+    return joined(paragraph(said), figure(plot_strokes(columns), words), grouped(head, parts), _notes([*more, *notes]))
 
 
 def tolerance_section(
@@ -126,7 +139,9 @@ def tolerance_section(
     parts.append(figure(plot_tolerance(pair, rows, columns), words))
     times = min(samples, MOST_RANKED)
     parts.append(_chances(kinds["check"], "check", "Chance that each check holds"))
-    parts.append(_chances(kinds["first"], "pair", f"Chance that each pair ranks first, the whole bench made anew {times} times"))
+    parts.append(
+        _chances(kinds["first"], "pair", f"Chance that each pair ranks first, the whole bench made anew {times} times")
+    )
     parts.append(_indices(kinds["index"]))
     return joined(*parts, _notes(notes))
 
@@ -136,19 +151,27 @@ def checks_section(config: Config, rows: Sequence[Mapping[str, Any]]) -> str:
     held = sum(bool(row["passed"]) for row in rows)
     said = f"{held} of {len(rows)} limits hold for {rows[0]['pair']} as drawn."
     head = [
-        Column("check", holds="key"), Column("meaning", holds="text"), Column("bound", holds="key"), Column("value"),
-        Column("limit"), Column("result", holds="key"),
-    ]  # fmt: skip
+        Column("check", holds="key"),
+        Column("meaning", holds="text"),
+        Column("bound", holds="key"),
+        Column("value"),
+        Column("limit"),
+        Column("result", holds="key"),
+    ]
     lines = [
         Row(
             [
-                row["check"], _meaning(config, row["check"]), row["bound"],
-                f"{row['value']:.4g}", f"{row['limit']:.4g}", "✓ holds" if row["passed"] else "✗ fails",
+                row["check"],
+                _meaning(config, row["check"]),
+                row["bound"],
+                f"{row['value']:.4g}",
+                f"{row['limit']:.4g}",
+                "✓ holds" if row["passed"] else "✗ fails",
             ],
             "" if row["passed"] else "fails",
         )
         for row in rows
-    ]  # fmt: skip
+    ]
     return paragraph(said) + "\n" + table(head, lines)
 
 
@@ -161,7 +184,12 @@ def _meaning(config: Config, check: str) -> str:
 
 def _tolerances(config: Config) -> str:
     sources, limits = Sources(config), config.tolerances or Tolerances()
-    head = [Column("varies", holds="key"), Column("±"), Column("distribution", holds="key"), Column("source", holds="text")]
+    head = [
+        Column("varies", holds="key"),
+        Column("±"),
+        Column("distribution", holds="key"),
+        Column("source", holds="text"),
+    ]
     rows = []
     for name, field in Tolerances.model_fields.items():
         one = getattr(limits, name)
@@ -191,7 +219,9 @@ def _chances(rows: Sequence[Mapping[str, Any]], what: str, said: str) -> str:
     for row in rows:
         share, low, high = (100.0 * row[name] for name in ("probability", "probability_low", "probability_high"))
         bound = "" if row["limit"] is None else f"{row['input']} {row['limit']:.4g}"
-        lines.append(Row([_CHANCES.get(row["name"], row["name"]), bound, f"{share:.2f} %", f"{low:.2f} to {high:.2f} %"]))
+        lines.append(
+            Row([_CHANCES.get(row["name"], row["name"]), bound, f"{share:.2f} %", f"{low:.2f} to {high:.2f} %"])
+        )
     if all(row["limit"] is None for row in rows):
         head, lines = [*head[:1], *head[2:]], [Row([*line.cells[:1], *line.cells[2:]]) for line in lines]
     return section(said, table(head, lines), level=3)

@@ -111,15 +111,20 @@ def inputs_section(config: Config) -> str:
     for one in found:
         groups.setdefault(_table(one.path), []).append(one)
     columns = [
-        Column("input", holds="key"), Column("value"), Column("meaning", holds="text"), Column("source", holds="text"),
-    ]  # fmt: skip
+        Column("input", holds="key"),
+        Column("value"),
+        Column("meaning", holds="text"),
+        Column("source", holds="text"),
+    ]
     parts = [
         Group(_title(path), _rows(config, path, rows), sources.of(path))
         for path, rows in sorted(groups.items(), key=lambda item: _order(item[0]))
     ]
     head = "<br>\n".join(escape(line) for line in sources.head)
     quoted = f"<p>The file says of its sources:</p>\n<blockquote>{head}</blockquote>" if head else ""
-    advice = "By how much each of them moves the results, `coast sensitivity` says; `coast tolerance` what their errors do."
+    advice = (
+        "By how much each of them moves the results, `coast sensitivity` says; `coast tolerance` what their errors do."
+    )
     return joined(paragraph(f"Inputs: {said_of(found)}. {advice}"), quoted, grouped(columns, parts))
 
 
@@ -204,4 +209,3 @@ def _value(value: Any) -> str:  # noqa: ANN401
     if isinstance(value, tuple):
         return f"{len(value)} values, {min(value):.6g} to {max(value):.6g}"
     return f"{value:.6g}" if isinstance(value, float) else str(value)
-

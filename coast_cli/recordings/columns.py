@@ -75,8 +75,11 @@ def find_layout(table: Table, renamed: Mapping[str, str] | None = None) -> Layou
     unknown += [column.name for column in found if column.quantity not in used] + [name for name, _, _ in wrong]
     columns = _once_each(table, [column for column in found if column.quantity in used and not column.notch])
     notches = _notches(table, [column for column in found if column.notch]) if kind == "joint" else ()
-    notes = [f"{table.path}: column {name!r} is not known and not used. {nearest(name, known_names())}".rstrip()
-             for name in unknown if name]  # fmt: skip
+    notes = [
+        f"{table.path}: column {name!r} is not known and not used. {nearest(name, known_names())}".rstrip()
+        for name in unknown
+        if name
+    ]
     present = [name for name in RESPONSES if name in columns or (name == "notch" and notches)]
     spare = [columns.pop(name).name for name in present[1:]]
     if spare:
@@ -116,9 +119,12 @@ def _renamed_columns(table: Table, renamed: Mapping[str, str]) -> list[Column]:
         column = _parse(ours)
         if not isinstance(column, Column):
             raise table.error(
-                "--columns names no column of ours", found=ours, allowed="such as stroke_mm=X1",
-                hint=nearest(ours, known_names()) or (f"Ours comes first: {theirs}={ours}." if _parse(theirs) else None),
-            )  # fmt: skip
+                "--columns names no column of ours",
+                found=ours,
+                allowed="such as stroke_mm=X1",
+                hint=nearest(ours, known_names())
+                or (f"Ours comes first: {theirs}={ours}." if _parse(theirs) else None),
+            )
         if theirs in table.names:
             columns.append(Column(theirs, column.quantity, column.factor, column.notch))
         elif ours not in table.names:
@@ -194,7 +200,8 @@ def _notches(table: Table, columns: list[Column]) -> tuple[Column, ...]:
     numbers = [column.notch for column in ordered]
     if numbers != list(range(1, len(numbers) + 1)):
         raise table.error(
-            "notch columns must count from 1 at the clamp, each once", found=", ".join(map(str, numbers)),
+            "notch columns must count from 1 at the clamp, each once",
+            found=", ".join(map(str, numbers)),
             allowed=f"1 to {len(numbers)}",
-        )  # fmt: skip
+        )
     return ordered

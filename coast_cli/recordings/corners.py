@@ -41,7 +41,8 @@ def missed_corners(drive: Floats, clock: Floats, branches: Branches) -> Corners:
     found = [
         corner
         for first, second in pairwise(branches.parts)
-        if first.direction * second.direction < 0 and (corner := _corner(drive, clock, second.start, branches)) is not None
+        if first.direction * second.direction < 0
+        and (corner := _corner(drive, clock, second.start, branches)) is not None
     ]
     rows = np.array([row for row, _, _ in found], dtype=np.int64)
     return Corners(rows, np.array([time for _, time, _ in found]), np.array([value for _, _, value in found]))
@@ -60,8 +61,14 @@ def _corner(drive: Floats, clock: Floats, after: int, branches: Branches) -> tup
     time = (drive[after] - drive[turn - 1] + up * clock[turn - 1] - down * clock[after]) / (up - down)
     value = drive[turn - 1] + up * (time - clock[turn - 1])
     here = clock[turn]
-    leg = drive[turn - 1] + up * (here - clock[turn - 1]) if here <= time else drive[after] + down * (here - clock[after])
+    leg = (
+        drive[turn - 1] + up * (here - clock[turn - 1]) if here <= time else drive[after] + down * (here - clock[after])
+    )
     missed = (value - drive[turn]) * np.sign(up)
-    if not clock[turn - 1] < time < clock[after] or abs(leg - drive[turn]) > _ON_A_LEG * step or missed < _WORTH_IT * step:
+    if (
+        not clock[turn - 1] < time < clock[after]
+        or abs(leg - drive[turn]) > _ON_A_LEG * step
+        or missed < _WORTH_IT * step
+    ):
         return None
     return (turn if time < here else after), float(time), float(value)

@@ -24,8 +24,13 @@ if TYPE_CHECKING:
 
 # Quantity -> its unit suffixes; the short names are those of formulas.
 QUANTITIES: dict[str, Mapping[str, float]] = {
-    "arc_length": LENGTH, "s": LENGTH, "curvature": CURVATURE, "kappa": CURVATURE, "x": LENGTH, "y": LENGTH,
-}  # fmt: skip
+    "arc_length": LENGTH,
+    "s": LENGTH,
+    "curvature": CURVATURE,
+    "kappa": CURVATURE,
+    "x": LENGTH,
+    "y": LENGTH,
+}
 SAME = {"s": "arc_length", "kappa": "curvature"}
 KINDS = (("arc_length", "curvature"), ("x", "y"))
 ALLOWED = "arc_length_mm and curvature_per_m (or s_mm and kappa_per_mm), or x_mm and y_mm"
@@ -111,15 +116,21 @@ def _of_curvature(table: Table, columns: Mapping[str, tuple[str, float]], notes:
     if (step <= 0.0).any():
         row = 1 + int(np.argmax(step <= 0.0))
         raise table.error(
-            "the arc length does not grow", name=columns["arc_length"][0], row=row,
-            found=f"{along[row] * 1e3:g} mm after {along[row - 1] * 1e3:g} mm", allowed="rows in order, each further on",
-        )  # fmt: skip
+            "the arc length does not grow",
+            name=columns["arc_length"][0],
+            row=row,
+            found=f"{along[row] * 1e3:g} mm after {along[row - 1] * 1e3:g} mm",
+            allowed="rows in order, each further on",
+        )
     if (np.abs(kappa) > SHARPEST).any():
         row = int(np.argmax(np.abs(kappa) > SHARPEST))
         raise table.error(
-            "the curvature is out of range", name=columns["curvature"][0], row=row, found=f"{kappa[row]:g} 1/m",
+            "the curvature is out of range",
+            name=columns["curvature"][0],
+            row=row,
+            found=f"{kappa[row]:g} 1/m",
             allowed=f"-{SHARPEST:g} to {SHARPEST:g} 1/m",
-        )  # fmt: skip
+        )
     _refuse_long(table, float(along[-1] - along[0]))
     if along[0] != 0.0:
         notes += (f"{table.path}: the path starts at {along[0] * 1e3:g} mm; feed counts from there.",)
@@ -143,7 +154,9 @@ def _of_points(table: Table, columns: Mapping[str, tuple[str, float]], notes: tu
     place, slope, turn = (spline(fine, order) for order in (0, 1, 2))
     speed = np.hypot(slope[:, 0], slope[:, 1])
     if speed.min() < 1e-6:
-        raise table.error("the spline through the points turns back on itself", allowed="points in order along the path")
+        raise table.error(
+            "the spline through the points turns back on itself", allowed="points in order along the path"
+        )
     curvature = (slope[:, 0] * turn[:, 1] - slope[:, 1] * turn[:, 0]) / speed**3
     angle = np.unwrap(np.arctan2(slope[:, 1], slope[:, 0]))
     halfway = np.hypot(*spline(0.5 * (fine[1:] + fine[:-1]), 1).T)
@@ -167,9 +180,12 @@ def _with_notes(path: PlanarPath, notes: tuple[str, ...]) -> PlanarPath:
 def _refuse_long(table: Table, length: float) -> None:
     if length > LONGEST:
         raise table.error(
-            "the path is too long", row=len(table.line) - 1, found=f"{length:g} m", allowed=f"at most {LONGEST:g} m",
+            "the path is too long",
+            row=len(table.line) - 1,
+            found=f"{length:g} m",
+            allowed=f"at most {LONGEST:g} m",
             hint="Is the unit in the header right?",
-        )  # fmt: skip
+        )
 
 
 def _columns(table: Table) -> tuple[dict[str, tuple[str, float]], tuple[str, ...]]:
@@ -186,7 +202,9 @@ def _columns(table: Table) -> tuple[dict[str, tuple[str, float]], tuple[str, ...
         else:
             key = SAME.get(quantity, quantity)
             if key in found:
-                raise table.error(f"{key} stands in two columns", found=f"{found[key][0]}, {name}", allowed="one of them")
+                raise table.error(
+                    f"{key} stands in two columns", found=f"{found[key][0]}, {name}", allowed="one of them"
+                )
             found[key] = name, QUANTITIES[quantity][rest]
     kind = next((kind for kind in KINDS if set(kind) <= set(found)), None)
     if kind is None:
@@ -205,17 +223,16 @@ def _parse(name: str) -> tuple[str | None, str]:
     return None, ""
 
 
-def _no_path(
-    table: Table, found: Mapping[str, object], wrong: list[tuple[str, str]], unknown: list[str]
-) -> BadInput:
+def _no_path(table: Table, found: Mapping[str, object], wrong: list[tuple[str, str]], unknown: list[str]) -> BadInput:
     """Return what to say of a header without a whole path: a unit first, then a name that looks like a missing one."""
     if wrong:
         name, quantity = wrong[0]
         bare = name.lower() == quantity
         return table.error(
             f"{SAME.get(quantity, quantity)} {'without a unit' if bare else 'with a unit that is not known'}",
-            name=name, allowed=" ".join(quantity + suffix for suffix in QUANTITIES[quantity]),
-        )  # fmt: skip
+            name=name,
+            allowed=" ".join(quantity + suffix for suffix in QUANTITIES[quantity]),
+        )
     missing = [quantity for quantity in QUANTITIES if SAME.get(quantity, quantity) not in found]
     known = [quantity + suffix for quantity in missing for suffix in QUANTITIES[quantity]]
     hint = next((words for name in unknown if (words := nearest(name.lower(), known))), None)

@@ -128,9 +128,11 @@ def _defaults(config: Config | None, pair: str | None, bending_length_mm: float 
     for name, tubes in ((outer, outer_tubes), (middle, middle_tubes)):
         if name and tubes is not None and name not in tubes:
             raise BadInput(
-                "the pair names a tube that the config does not have", found=name, allowed=", ".join(tubes) or "none",
+                "the pair names a tube that the config does not have",
+                found=name,
+                allowed=", ".join(tubes) or "none",
                 hint=nearest(name, tubes) or None,
-            )  # fmt: skip
+            )
     length = None if bending_length_mm is None else bending_length_mm * MILLIMETRE
     if length is not None and not (np.isfinite(length) and length >= SHORTEST):
         allowed = f"a length in mm from {SHORTEST / MILLIMETRE:g}"
@@ -197,9 +199,12 @@ class _TextColumn:
         for offset, text in enumerate(texts):
             if text != texts[0]:
                 raise self._table.error(
-                    "changes within a run", name=self.name, row=int(self._starts[first + offset]), found=text,
+                    "changes within a run",
+                    name=self.name,
+                    row=int(self._starts[first + offset]),
+                    found=text,
                     allowed=texts[0] or "empty",
-                )  # fmt: skip
+                )
         return texts[0]
 
 
@@ -208,9 +213,13 @@ def _checked_tube(
 ) -> str:
     if tubes is not None and name not in tubes:
         raise table.error(
-            "a tube that the config does not have", name=column.name, row=start, found=name,
-            allowed=", ".join(tubes) or "none", hint=nearest(name, tubes) or None,
-        )  # fmt: skip
+            "a tube that the config does not have",
+            name=column.name,
+            row=start,
+            found=name,
+            allowed=", ".join(tubes) or "none",
+            hint=nearest(name, tubes) or None,
+        )
     return name
 
 
@@ -288,9 +297,12 @@ def _check_positive_length(table: Table, layout: Layout, length: Floats) -> None
     if (length < SHORTEST).any():
         row = int(np.argmax(length < SHORTEST))
         raise table.error(
-            "the bending length must be positive", name=layout.columns["bending_length"].name, row=row,
-            found=f"{length[row] / MILLIMETRE:g} mm", allowed=f"from {SHORTEST / MILLIMETRE:g} mm",
-        )  # fmt: skip
+            "the bending length must be positive",
+            name=layout.columns["bending_length"].name,
+            row=row,
+            found=f"{length[row] / MILLIMETRE:g} mm",
+            allowed=f"from {SHORTEST / MILLIMETRE:g} mm",
+        )
 
 
 def _check_joint_run(table: Table, layout: Layout, run: JointRun, start: int, defaults: Defaults) -> None:
@@ -353,9 +365,12 @@ def _shape_runs(table: Table, layout: Layout, defaults: Defaults) -> Iterable[Sh
         side = texts["natural"].of(start, stop).lower()
         if side not in NATURAL_SIDES:
             raise table.error(
-                "a side that is not known", name=texts["natural"].name, row=start, found=side,
+                "a side that is not known",
+                name=texts["natural"].name,
+                row=start,
+                found=side,
                 allowed="up, down or empty",
-            )  # fmt: skip
+            )
         if stop - start < 3:
             raise table.error(f"shape {name!r} has {stop - start} points", row=start, allowed="at least three")
         rows = slice(start, stop)

@@ -84,10 +84,28 @@ def _shape_row(run: ShapeRun) -> Row:
 
 def _joint_names() -> tuple[str, ...]:
     return (
-        "run", "pair", "n", "dropped", "drive", "drive_from", "drive_to", "bending_length_from_mm",
-        "bending_length_to_mm", "response", "response_to", "load", "release", "hold", "cycles", "duration_s", "noise",
-        "noise_std", "noise_correlation", "quantum", "outlier_share",
-    )  # fmt: skip
+        "run",
+        "pair",
+        "n",
+        "dropped",
+        "drive",
+        "drive_from",
+        "drive_to",
+        "bending_length_from_mm",
+        "bending_length_to_mm",
+        "response",
+        "response_to",
+        "load",
+        "release",
+        "hold",
+        "cycles",
+        "duration_s",
+        "noise",
+        "noise_std",
+        "noise_correlation",
+        "quantum",
+        "outlier_share",
+    )
 
 
 def can_decide(recordings: Recordings) -> tuple[str, ...]:

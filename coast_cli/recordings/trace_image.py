@@ -77,7 +77,9 @@ def _check_size(picture: Image, path: Path) -> None:
     columns, rows = picture.size
     size = f"{columns} x {rows} pixels"
     if columns * rows > LARGEST:
-        raise BadInput("the image is too large", file=path, found=size, allowed=f"{LARGEST // 10**6} megapixels", hint="Crop it.")
+        raise BadInput(
+            "the image is too large", file=path, found=size, allowed=f"{LARGEST // 10**6} megapixels", hint="Crop it."
+        )
     if min(columns, rows) < 32:
         raise BadInput("the image is too small to show a tube", file=path, found=size, allowed="32 x 32 or more")
     frames = getattr(picture, "n_frames", 1)

@@ -78,9 +78,12 @@ class Design:
         if name not in tubes:
             known = list(tubes)
             raise BadInput(
-                "there is no such tube", file=self.config.source or None, found=name, allowed=", ".join(known),
+                "there is no such tube",
+                file=self.config.source or None,
+                found=name,
+                allowed=", ".join(known),
                 hint=nearest(name, known),
-            )  # fmt: skip
+            )
         return tubes[name]
 
     def pair(self, asked: str | None = None) -> tuple[str | None, str]:

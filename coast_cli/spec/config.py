@@ -118,9 +118,9 @@ class JointFields(Document):
     deadband_mm: Annotated[float | Calibrated, Within(0.0, 100.0)] = Field(
         0.0, description="stroke spent before the tendon is taut, mm"
     )
-    pair: Annotated[
-        str | None, Field(min_length=1), Allowed("'OUTER/MIDDLE', or the name of one tube")
-    ] = Field(None, description="the pair a command answers for where none is named: 'OUTER/MIDDLE', or one tube")
+    pair: Annotated[str | None, Field(min_length=1), Allowed("'OUTER/MIDDLE', or the name of one tube")] = Field(
+        None, description="the pair a command answers for where none is named: 'OUTER/MIDDLE', or one tube"
+    )
 
 
 class RatioLimits(Document):

@@ -96,10 +96,14 @@ def check_explore(config: Config) -> None:
     if explore is None:
         return
     if not (explore.outer.ranges or explore.middle.ranges):
-        raise config.refuse(("explore",), "nothing may change", allowed="a range under [explore.outer] or [explore.middle]")
+        raise config.refuse(
+            ("explore",), "nothing may change", allowed="a range under [explore.outer] or [explore.middle]"
+        )
     for role in ("outer", "middle"):
         if getattr(config, role) is None:
-            raise config.refuse(("explore",), f"a pair needs an outer and a middle tube, and there is no [{role}] table")
+            raise config.refuse(
+                ("explore",), f"a pair needs an outer and a middle tube, and there is no [{role}] table"
+            )
         tube: ExploredTube = getattr(explore, role)
         if tube.count is not None and tube.length_mm is not None:
             raise config.refuse(("explore", role, "count"), "both count and length_mm are given", allowed="one of them")
@@ -107,7 +111,9 @@ def check_explore(config: Config) -> None:
         for key, span in tube.ranges.items():
             path: Path = ("explore", role, key)
             if span.min >= span.max:
-                raise config.refuse((*path, "min"), "the range is inverted", found=span.min, allowed=f"below {span.max:g}")
+                raise config.refuse(
+                    (*path, "min"), "the range is inverted", found=span.min, allowed=f"below {span.max:g}"
+                )
             if span.step is None and explore.sampling == "grid":
                 raise config.refuse(path, "a grid needs a step", allowed="step, or sampling = 'sobol'")
             points *= 1.0 if span.step is None else (span.max - span.min) / span.step + 1.0
@@ -116,7 +122,9 @@ def check_explore(config: Config) -> None:
             raise config.refuse(("explore", role), "the grid is too fine", found=f"{points:.3g} tubes", allowed=allowed)
     point = AT_A_POINT.intersection(explore.objectives)
     if point and (config.joint is None or config.checks is None or config.checks.max_stroke_mm is None):
-        message = f"{', '.join(sorted(point))} is taken at the point of checks.max_stroke_mm with [joint], which is not given"
+        message = (
+            f"{', '.join(sorted(point))} is taken at the point of checks.max_stroke_mm with [joint], which is not given"
+        )
         raise config.refuse(("explore", "objectives"), message)
     if {"stroke", "tendon_strain"} & point and config.tendon is None:
         raise config.refuse(("explore", "objectives"), "a stroke needs a [tendon] table")

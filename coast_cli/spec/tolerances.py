@@ -32,7 +32,9 @@ class Tolerances(Document):
     inner_diameter_mm: Tolerance = Field(
         Tolerance(plus_minus=0.015), description="inner diameter, mm; default 0.015, of drawn tube stock"
     )
-    depth_mm: Tolerance = Field(Tolerance(plus_minus=0.01), description="notch depth, mm; default 0.01, of laser notches")
+    depth_mm: Tolerance = Field(
+        Tolerance(plus_minus=0.01), description="notch depth, mm; default 0.01, of laser notches"
+    )
     cut_mm: Tolerance | None = Field(None, description="length of a notch, mm; the pitch stays, so uncut gives way")
     youngs_modulus_percent: Tolerance | None = Field(None, description="Young's modulus, per cent")
     natural_curvature_per_m: Tolerance | None = Field(None, description="natural curvature, 1/m")

@@ -205,7 +205,9 @@ def _check_size(config: Config) -> None:
         total = sum((sample.notch and sample.notch.count) or shared for sample in stock.samples)
         if total > MOST_NOTCHES:
             allowed = f"up to {MOST_NOTCHES}"
-            raise config.refuse((role, "samples"), "too many notches on all tubes together", found=total, allowed=allowed)
+            raise config.refuse(
+                (role, "samples"), "too many notches on all tubes together", found=total, allowed=allowed
+            )
 
 
 def _check_fits(config: Config) -> None:

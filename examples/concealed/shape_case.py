@@ -142,11 +142,7 @@ def make_shape_case(seed: int, level: str | None = None, effect: str | None = No
 
 
 def _try_shape(rng: np.random.Generator, seed: int, level: str, effect: str | None) -> Case | None:
-    names = (
-        []
-        if level in ("L0", "LP")
-        else [effect or str(rng.choice(list(_DRAWN_FROM.get(level, SHAPE_EFFECTS))))]
-    )
+    names = [] if level in ("L0", "LP") else [effect or str(rng.choice(list(_DRAWN_FROM.get(level, SHAPE_EFFECTS))))]
     donor = names[0] if names else str(rng.choice(list(SHAPE_EFFECTS)))
     recipe = SHAPE_RECIPES.get(donor)
     for _ in range(200):

@@ -251,8 +251,10 @@ def scaling() -> None:
     by_notches = [best(lambda c=c: solve_segments(*c, gravity=gravity), 2) for c in fixed]
     print("cost grows with the power")
     for name, sizes, seconds in (
-        ("tubes", counts, by_tubes), ("notches", notches, by_notches), ("pairs", np.square(sides), by_pairs),
-    ):  # fmt: skip
+        ("tubes", counts, by_tubes),
+        ("notches", notches, by_notches),
+        ("pairs", np.square(sides), by_pairs),
+    ):
         points = ", ".join(f"{n}: {s:.2f} s" for n, s in zip(sizes, seconds, strict=True))
         print(f"  {exponent(sizes, seconds):5.2f} of {name:8} ({points})")
     if find_spec("matplotlib") and len(sys.argv) > 1:

@@ -51,7 +51,9 @@ def tolerances(design) -> None:
     speed = f"{10_000 / took:.0f} pairs/s, {20_000 / took:.0f} tubes/s"
     print(f"10,000 samples of one pair                    {took:8.2f} s, {speed}")
     print(f"  one pair at a time over that                {one / 20 * 10_000 / took:8.1f}")
-    print(f"  samples solved                              {np.isfinite(made.columns['total_precurvature_rad']).sum():8d}")
+    print(
+        f"  samples solved                              {np.isfinite(made.columns['total_precurvature_rad']).sum():8d}"
+    )
     took, _ = timed(lambda: tolerance_rows(design, ("OT4", "MT1"), samples=10_000, seed=0))
     print(f"the whole command: ranking and Sobol indices  {took:8.2f} s")
 
@@ -65,9 +67,7 @@ def exploration(name: str, tubes: int, cuts: str, *, stream: bool) -> None:
         file = CsvStream(Path(folder) / "pairs.csv", "", overwrite=False) if stream else None
         save = None if file is None else file.write
         took, _ = timed(
-            lambda: explore(
-                config, text, executor=(None, 1), beginning=Beginning(), save=save, advance=lambda: None
-            )
+            lambda: explore(config, text, executor=(None, 1), beginning=Beginning(), save=save, advance=lambda: None)
         )
         if file is not None:
             file.finish()
@@ -88,7 +88,9 @@ def main() -> None:
         exploration("1,000 x 1,000 tubes, each its own pattern", 1000, CUTS, stream=False)
         exploration("1,000 x 1,000 tubes, cuts of 0.05 mm steps", 1000, STEPPED, stream=False)
         exploration("1,000 x 1,000 tubes", 1000, "", stream=True)
-    print(f"most memory                                   {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:8.0f} MB")
+    print(
+        f"most memory                                   {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:8.0f} MB"
+    )
 
 
 if __name__ == "__main__":

@@ -88,7 +88,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--cases", type=int, default=20, help="of each effect")
     parser.add_argument("--clean", type=int, default=100)
-    parser.add_argument("--outside", type=int, default=0, help="of each artefact of the camera, and effect of no catalogue")
+    parser.add_argument(
+        "--outside", type=int, default=0, help="of each artefact of the camera, and effect of no catalogue"
+    )
     parser.add_argument("--seed", type=int, default=1000)
     options = parser.parse_args()
     clean = list(outcomes("L0", None, options.clean, options.seed))
@@ -102,12 +104,17 @@ def main() -> None:
         first = [case for case in cases if case.named[:1] == [effect]]
         right, total = right + len(first), total + len(cases)
         seconds += [case.seconds for case in cases]
-        missed = {case.truth["seed"]: " + ".join(case.named) or case.diagnosis.verdict for case in cases if case not in first}
+        missed = {
+            case.truth["seed"]: " + ".join(case.named) or case.diagnosis.verdict for case in cases if case not in first
+        }
         print(f"{effect}, named first: {wilson(len(first), len(cases))} {missed or ''}".rstrip(), flush=True)
         if effect == "local_stiffness_defect":
             print(f"  its place within a pitch: {wilson(sum(map(_placed, first)), len(first))}")
         if effect == "roll_misalignment":
-            errors = [abs(_parameter(case, "angle_deg") - case.truth["effects"][0]["parameters"]["roll_deg"]) for case in first]
+            errors = [
+                abs(_parameter(case, "angle_deg") - case.truth["effects"][0]["parameters"]["roll_deg"])
+                for case in first
+            ]
             print(f"  its angle within 2 degrees: {wilson(sum(error < 2.0 for error in errors), len(first))}")
     print(f"all effects, named first: {wilson(right, total)}")
     for effect in SHAPE_SENSOR if options.outside else ():
@@ -118,7 +125,10 @@ def main() -> None:
         cases = list(outcomes("L6", effect, options.outside, options.seed))
         seconds += [case.seconds for case in cases]
         said = Counter(case.diagnosis.verdict for case in cases)
-        print(f"outside the catalogue, {effect}: {dict(said)} {dict(Counter(' + '.join(c.named) for c in cases))}", flush=True)
+        print(
+            f"outside the catalogue, {effect}: {dict(said)} {dict(Counter(' + '.join(c.named) for c in cases))}",
+            flush=True,
+        )
     print(f"processor seconds a case: mean {np.mean(seconds):.2f}, largest {np.max(seconds):.2f}")
 
 

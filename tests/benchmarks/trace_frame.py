@@ -18,7 +18,9 @@ def main():
         trace_levels(levels, mm_per_px=0.01)
         wall, cpu = time.perf_counter(), time.process_time()
         trace_levels(levels, mm_per_px=0.01)
-        print(f"5 megapixels, tube {width} px: {time.perf_counter() - wall:.2f} s wall, {time.process_time() - cpu:.2f} s cpu")
+        print(
+            f"5 megapixels, tube {width} px: {time.perf_counter() - wall:.2f} s wall, {time.process_time() - cpu:.2f} s cpu"
+        )
         if "--profile" in sys.argv:
             with cProfile.Profile() as profile:
                 trace_levels(levels, mm_per_px=0.01)

@@ -57,8 +57,12 @@ def test_all_files_appear_and_the_answer_follows_the_contract(diagnosed):
     answer = json.loads((folder / "answer.json").read_text(encoding="utf-8"))
     assert code == 0
     assert sorted(path.name for path in folder.iterdir()) == [
-        "answer.json", "answer.txt", "model.toml", "plot.svg", "report.html",
-    ]  # fmt: skip
+        "answer.json",
+        "answer.txt",
+        "model.toml",
+        "plot.svg",
+        "report.html",
+    ]
     assert answer["schema"] == "coast.diagnosis/1"
     assert answer["verdict"] == "physics"
     assert answer["effects"][0]["id"] == "backlash"
@@ -174,7 +178,7 @@ def test_one_run_without_release_or_time_is_a_weaker_claim(coast, recording):
         (("--columns", "stroke_mm"), 2, "--columns"),
         (("-o", "."), 2, "suffix"),
     ],
-)  # fmt: skip
+)
 def test_a_wrong_option_is_one_sentence(coast, words, code, said):
     ran = coast("diagnose", CONFIG, RECORDING, *words)
     assert ran.code == code

@@ -83,7 +83,10 @@ def test_a_newcomers_slip_is_answered_with_the_next_step(coast, reference, words
 
 
 def test_a_pair_with_the_wrong_sign_between_is_told_the_right_one(coast, reference):
-    assert "'OUTER/MIDDLE', or one of MT1" in coast("stroke", reference, "--kappa", "1", "--x2", "9", "--pair", "OT4,MT1").err
+    assert (
+        "'OUTER/MIDDLE', or one of MT1"
+        in coast("stroke", reference, "--kappa", "1", "--x2", "9", "--pair", "OT4,MT1").err
+    )
 
 
 def test_a_bending_length_in_metres_is_doubted(coast, reference):

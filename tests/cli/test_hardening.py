@@ -37,7 +37,17 @@ def program(*words, **options):
 @pytest.mark.parametrize(
     "words",
     [
-        ("diagnose", "{config}", RECORDING, "-o", "{out}/a.json", "--save-model", "{out}/a.toml", "--report", "{out}/a.html"),
+        (
+            "diagnose",
+            "{config}",
+            RECORDING,
+            "-o",
+            "{out}/a.json",
+            "--save-model",
+            "{out}/a.toml",
+            "--report",
+            "{out}/a.html",
+        ),
         ("tolerance", "{config}", "--samples", "2000000", "-o", "{out}/a.json"),
         ("explore", "{explored}", "-o", "{out}/a.json"),
     ],
@@ -58,10 +68,15 @@ def test_an_interrupt_is_said_and_leaves_no_half_file(tmp_path, reference, words
 @pytest.mark.parametrize(
     "words",
     [
-        ("rank-pairs", "{config}"), ("rank-pairs", "{config}", "-f", "json"), ("init", "-"), ("schema",), ("--help",),
-        ("stroke", "--help"), ("--version",),
+        ("rank-pairs", "{config}"),
+        ("rank-pairs", "{config}", "-f", "json"),
+        ("init", "-"),
+        ("schema",),
+        ("--help",),
+        ("stroke", "--help"),
+        ("--version",),
     ],
-)  # fmt: skip
+)
 def test_a_full_disk_behind_stdout_is_said_in_a_sentence(reference, words):
     filled = [word.format(config=reference) for word in words]
     with Path("/dev/full").open("w") as full:
@@ -93,7 +108,11 @@ def test_help_to_a_reader_that_left_is_no_error():
 
 def test_closed_streams_are_no_fault(reference):
     for stream in (1, 2):
-        command = [sys.executable, "-c", "import os,sys; os.close(int(sys.argv[1])); os.execv(sys.executable, sys.argv[2:])"]
+        command = [
+            sys.executable,
+            "-c",
+            "import os,sys; os.close(int(sys.argv[1])); os.execv(sys.executable, sys.argv[2:])",
+        ]
         words = [str(stream), sys.executable, "-m", "coast_cli", "rank-pairs", str(reference)]
         assert subprocess.run([*command, *words], cwd=ROOT, capture_output=True, check=False).returncode == 0
 
@@ -114,7 +133,19 @@ def test_of_two_that_write_one_file_it_is_one_whole_answer(tmp_path, reference):
     path = tmp_path / "answer.json"
     lengths = ("5", "10,20", "5,10,15,20,25,30")
     running = [
-        program("-m", "coast_cli", "stroke", reference, "--kappa", "0:60:0.1", "--x2", x2, "-o", path, stdout=subprocess.DEVNULL)
+        program(
+            "-m",
+            "coast_cli",
+            "stroke",
+            reference,
+            "--kappa",
+            "0:60:0.1",
+            "--x2",
+            x2,
+            "-o",
+            path,
+            stdout=subprocess.DEVNULL,
+        )
         for x2 in lengths
     ]
     while any(ran.poll() is None for ran in running):
@@ -146,10 +177,39 @@ def nodes():
 
 def test_nothing_is_unpickled_evaluated_or_fetched():
     barred = {
-        "pickle", "marshal", "shelve", "dill", "cloudpickle", "joblib", "yaml", "socket", "http", "urllib", "requests", "ftplib",
-        "smtplib", "ssl", "asyncio", "webbrowser", "ctypes", "code", "codeop", "runpy",
-    }  # fmt: skip
-    called = {"eval", "exec", "compile", "__import__", "system", "popen", "fromregex", "loadtxt", "genfromtxt", "memmap"}
+        "pickle",
+        "marshal",
+        "shelve",
+        "dill",
+        "cloudpickle",
+        "joblib",
+        "yaml",
+        "socket",
+        "http",
+        "urllib",
+        "requests",
+        "ftplib",
+        "smtplib",
+        "ssl",
+        "asyncio",
+        "webbrowser",
+        "ctypes",
+        "code",
+        "codeop",
+        "runpy",
+    }
+    called = {
+        "eval",
+        "exec",
+        "compile",
+        "__import__",
+        "system",
+        "popen",
+        "fromregex",
+        "loadtxt",
+        "genfromtxt",
+        "memmap",
+    }
     found = []
     for file, node in nodes():
         if isinstance(node, ast.Import):
@@ -160,7 +220,9 @@ def test_nothing_is_unpickled_evaluated_or_fetched():
             name = getattr(node.func, "id", getattr(node.func, "attr", ""))
             owner = getattr(getattr(node.func, "value", None), "id", "")
             options = {keyword.arg: keyword.value for keyword in node.keywords}
-            pickled = owner in {"np", "numpy"} and name == "load" and getattr(options.get("allow_pickle"), "value", True)
+            pickled = (
+                owner in {"np", "numpy"} and name == "load" and getattr(options.get("allow_pickle"), "value", True)
+            )
             shell = getattr(options.get("shell"), "value", False)
             if (name in called and owner != "re") or pickled or shell:
                 found.append((file, ast.unparse(node)[:80]))

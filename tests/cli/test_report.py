@@ -69,8 +69,15 @@ def test_every_link_leads_to_a_section(whole):
     page = Page(whole.read_text(encoding="utf-8"))
     assert [link[1:] for link in page.values("href")] == page.values("id")
     assert page.values("id") == [
-        "inputs", "ranking", "shapes", "strokes", "tolerances", "checks", "diagnosis", "provenance",
-    ]  # fmt: skip
+        "inputs",
+        "ranking",
+        "shapes",
+        "strokes",
+        "tolerances",
+        "checks",
+        "diagnosis",
+        "provenance",
+    ]
 
 
 def test_the_page_says_what_the_commands_say(whole, coast, reference):
@@ -179,7 +186,9 @@ def test_where_no_pair_is_named_it_is_the_recorded_one_or_the_first_of_the_ranki
 
 def test_short_tubes_get_lengths_they_have(coast, edited, tmp_path):
     config = edited(
-        ("count = 188", "count = 30"), ("count = 125", "count = 30"), ("bending_length_mm = 40.0", "bending_length_mm = 9.0")
+        ("count = 188", "count = 30"),
+        ("count = 125", "count = 30"),
+        ("bending_length_mm = 40.0", "bending_length_mm = 9.0"),
     )
     assert coast("report", config, "--samples", "0", "-o", tmp_path / "report.html").code == 0
     page = Page((tmp_path / "report.html").read_text(encoding="utf-8"))

@@ -12,7 +12,13 @@ def test_rows_and_notes(coast, reference):
     assert answer["schema"] == "coast.sensitivity/1"
     rows = answer["rows"]
     assert set(rows[0]) == set(COLUMNS["sensitivity"])
-    assert {row["figure"] for row in rows} >= {"tip_shift", "total_precurvature", "ratio_mean", "total_series", "stroke"}
+    assert {row["figure"] for row in rows} >= {
+        "tip_shift",
+        "total_precurvature",
+        "ratio_mean",
+        "total_series",
+        "stroke",
+    }
     assert {row["subject"] for row in rows} >= {"OT1", "MT3", "OT4/MT1"}
     assert "one combination of joint.youngs_modulus" in result.err
 

@@ -31,7 +31,9 @@ def test_the_rows_are_the_documented_columns_and_the_same_each_time(coast, refer
 
 def test_explored_rows_are_the_documented_columns(coast, tmp_path, reference_text):
     path = tmp_path / "space.toml"
-    path.write_text(reference_text + "\n[explore]\ntubes = 8\nrefinements = 1\nouter.depth_mm = { min = 0.32, max = 0.39 }\n")
+    path.write_text(
+        reference_text + "\n[explore]\ntubes = 8\nrefinements = 1\nouter.depth_mm = { min = 0.32, max = 0.39 }\n"
+    )
     ran = coast("explore", path, "--top", "5", "-f", "json")
     assert ran.code == 0, ran.err
     assert all(list(row) == list(COLUMNS["explore"]) for row in rows(ran))
@@ -129,7 +131,9 @@ def test_distributions_are_drawn_with_their_limits(coast, reference, tmp_path):
 def test_a_front_is_drawn_beside_the_bench(coast, tmp_path, reference_text):
     pytest.importorskip("matplotlib", reason="not here: matplotlib, the extra [plot]")
     path = tmp_path / "space.toml"
-    path.write_text(reference_text + "\n[explore]\ntubes = 8\nrefinements = 0\nouter.depth_mm = { min = 0.32, max = 0.39 }\n")
+    path.write_text(
+        reference_text + "\n[explore]\ntubes = 8\nrefinements = 0\nouter.depth_mm = { min = 0.32, max = 0.39 }\n"
+    )
     assert coast("explore", path, "--plot", tmp_path / "front.svg").code == 0
     drawn = (tmp_path / "front.svg").read_text()
     assert all(f"<!-- {text} -->" in drawn for text in ("S4", "S12", "front", "bench", "rigidity ratio, mean"))

@@ -21,11 +21,14 @@ def strand(natural, elements):
     return Strand(length, 45e9 * moment, 6450 * 9.81 * area, np.full(length.size, natural), 0 * length)
 
 
-@pytest.mark.parametrize(("natural", "angle", "x", "y"), [
-    (5.0, -0.66270797828223, 0.087982123270705, -0.066789038374872),
-    (-5.0, -1.40985211612583, 0.060216743875269, -0.086052930077382),
-    (-15.0, -2.12682804094436, 0.030065655053199, -0.090728647097830),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("natural", "angle", "x", "y"),
+    [
+        (5.0, -0.66270797828223, 0.087982123270705, -0.066789038374872),
+        (-5.0, -1.40985211612583, 0.060216743875269, -0.086052930077382),
+        (-15.0, -2.12682804094436, 0.030065655053199, -0.090728647097830),
+    ],
+)
 def test_reference_answers_are_met_at_second_order(natural, angle, x, y):
     errors = []
     for elements in (1, 2, 4):

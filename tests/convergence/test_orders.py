@@ -14,9 +14,15 @@ def uniform(parts: int) -> BeamProblem:
     """A heavy strip, one metre long, with force and moment at its tip, in equal pieces."""
     one = np.ones((parts, 1)) / parts
     return BeamProblem(
-        length=one, flexibility=one / 0.7, bend=0.9 * one, load=2.1 * one,
-        thrust=np.array([0.4]), shear=np.array([0.3]), moment=np.array([0.2]), base=np.zeros(1),
-    )  # fmt: skip
+        length=one,
+        flexibility=one / 0.7,
+        bend=0.9 * one,
+        load=2.1 * one,
+        thrust=np.array([0.4]),
+        shear=np.array([0.3]),
+        moment=np.array([0.2]),
+        base=np.zeros(1),
+    )
 
 
 def shot(parts: int) -> np.ndarray:

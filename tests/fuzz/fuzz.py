@@ -92,8 +92,10 @@ class Fuzzer:
     def say(self) -> None:
         """Tell how far it is."""
         cpu = time.process_time() - self.started
-        sys.stderr.write(f"{self.name}: {self.runs} runs, {self.refused} refused, {cpu / 60:.1f} CPU-minutes, "
-                         f"{len(self.seen)} findings, {self.memory / 2**20:.0f} MB\n")  # fmt: skip
+        sys.stderr.write(
+            f"{self.name}: {self.runs} runs, {self.refused} refused, {cpu / 60:.1f} CPU-minutes, "
+            f"{len(self.seen)} findings, {self.memory / 2**20:.0f} MB\n"
+        )
 
     def mutate(self, data: bytes, limit: int, seed: int) -> bytes:
         """Half by structure, half by bytes; often from a whole seed again, since most of what is damaged is refused."""

@@ -26,23 +26,141 @@ CONFIG = ROOT / "configs" / "tubes.toml"
 RECORDING = ROOT / "examples" / "diagnose" / "recording.csv"
 LONGEST_MESSAGE = 2000
 VALUES = [
-    0, 1, -1, 2, 3, 7, 10**9, -(10**9), 10**18, 2**63, 10**30, 0.0, -0.0, 1e-308, 5e-324, 1e308, -1e308, 1e-9, 1e9, 0.2, 0.25,
-    0.3, 0.314, 0.36, 0.4, 0.4999999, 0.5, 1.0, 5.0, 100.0, 1000.0, float("nan"), float("inf"), float("-inf"), True, False,
-    "", "x", "none", "table", "chord", "sector", "OT4/MT1", "MT1", "OT4/", "/", "a/b/c", "é\u202e\x00\x1b[31m", "x" * 5000, "1",
-    [], {}, [[]], [0.3] * 188, [0.3] * 125, [1e308, -1e308], {"value": 1.0, "min": 0.5, "max": 2.0}, {"value": 1.0},
-    {"min": 0.1, "max": 0.2}, {"min": 0.1, "max": 0.2, "step": 1e-6}, {"a": {"b": {"c": 1}}},
-]  # fmt: skip
+    0,
+    1,
+    -1,
+    2,
+    3,
+    7,
+    10**9,
+    -(10**9),
+    10**18,
+    2**63,
+    10**30,
+    0.0,
+    -0.0,
+    1e-308,
+    5e-324,
+    1e308,
+    -1e308,
+    1e-9,
+    1e9,
+    0.2,
+    0.25,
+    0.3,
+    0.314,
+    0.36,
+    0.4,
+    0.4999999,
+    0.5,
+    1.0,
+    5.0,
+    100.0,
+    1000.0,
+    float("nan"),
+    float("inf"),
+    float("-inf"),
+    True,
+    False,
+    "",
+    "x",
+    "none",
+    "table",
+    "chord",
+    "sector",
+    "OT4/MT1",
+    "MT1",
+    "OT4/",
+    "/",
+    "a/b/c",
+    "é\u202e\x00\x1b[31m",
+    "x" * 5000,
+    "1",
+    [],
+    {},
+    [[]],
+    [0.3] * 188,
+    [0.3] * 125,
+    [1e308, -1e308],
+    {"value": 1.0, "min": 0.5, "max": 2.0},
+    {"value": 1.0},
+    {"min": 0.1, "max": 0.2},
+    {"min": 0.1, "max": 0.2, "step": 1e-6},
+    {"a": {"b": {"c": 1}}},
+]
 CELLS = [
-    "", " ", "0", "-0", "1", "-1", "1e308", "-1e308", "5e-324", "1e-320", "1e999", "nan", "inf", "NaN", "-inf", "1_0", "0x1",
-    "1,5", '"', '""', '"1"', "é", "\x00", "9" * 400, "x" * 200, "1e-9", "1e9", "up", "down", "OT4", "MT1", "OT4/MT1", "OT1", "/",
+    "",
+    " ",
+    "0",
+    "-0",
+    "1",
+    "-1",
+    "1e308",
+    "-1e308",
+    "5e-324",
+    "1e-320",
+    "1e999",
+    "nan",
+    "inf",
+    "NaN",
+    "-inf",
+    "1_0",
+    "0x1",
+    "1,5",
+    '"',
+    '""',
+    '"1"',
+    "é",
+    "\x00",
+    "9" * 400,
+    "x" * 200,
+    "1e-9",
+    "1e9",
+    "up",
+    "down",
+    "OT4",
+    "MT1",
+    "OT4/MT1",
+    "OT1",
+    "/",
     "run",
-]  # fmt: skip
+]
 HEADERS = [
-    "s_mm", "arc_length_m", "kappa_per_mm", "kappa", "x_m",
-    "run", "time_s", "outer", "middle", "tube", "natural", "bending_length_mm", "bending_length_um", "stroke_mm", "stroke_m",
-    "tension_n", "tension_mn", "curvature_per_m", "curvature_per_mm", "bend_deg", "bend_rad", "notch_1_deg", "notch_2_deg",
-    "notch_0_deg", "notch_" + "9" * 5000 + "_deg", "x_mm", "y_mm", "x_um", "frame", "stroke", "bend_furlong", "", '"', "é" * 50,
-]  # fmt: skip
+    "s_mm",
+    "arc_length_m",
+    "kappa_per_mm",
+    "kappa",
+    "x_m",
+    "run",
+    "time_s",
+    "outer",
+    "middle",
+    "tube",
+    "natural",
+    "bending_length_mm",
+    "bending_length_um",
+    "stroke_mm",
+    "stroke_m",
+    "tension_n",
+    "tension_mn",
+    "curvature_per_m",
+    "curvature_per_mm",
+    "bend_deg",
+    "bend_rad",
+    "notch_1_deg",
+    "notch_2_deg",
+    "notch_0_deg",
+    "notch_" + "9" * 5000 + "_deg",
+    "x_mm",
+    "y_mm",
+    "x_um",
+    "frame",
+    "stroke",
+    "bend_furlong",
+    "",
+    '"',
+    "é" * 50,
+]
 
 
 class Finding(AssertionError):
@@ -99,7 +217,9 @@ class Target:
 def _config_seeds() -> list[bytes]:
     text = CONFIG.read_text(encoding="utf-8")
     explored = (ROOT / "examples" / "explore.toml").read_text(encoding="utf-8")
-    tolerances = "\n[tolerances]\ncut_mm = { plus_minus = 0.01, distribution = 'uniform' }\nroll_deg = { plus_minus = 2.0 }\n"
+    tolerances = (
+        "\n[tolerances]\ncut_mm = { plus_minus = 0.01, distribution = 'uniform' }\nroll_deg = { plus_minus = 2.0 }\n"
+    )
     ended = text.replace("count = 188 }", 'count = 188 }\nend_effect = "table"\nsection = "chord"')
     one = re.sub(r"(?s)\[outer\].*?\[middle\]", "[middle]", text).replace("OT4/MT1", "MT1")
     return [part.encode() for part in (text, explored, text + tolerances, ended, one)]
@@ -149,7 +269,9 @@ def _change(holder: dict | list, key: object, chance: random.Random, others: lis
     if kind == 0 and isinstance(holder, dict):
         del holder[key]
     elif kind == 1 and isinstance(holder, dict):
-        holder[chance.choice(("", "a.b", "é\n", "value", "min", "<number>", "[key]", "x" * 200, str(key) + "x"))] = value
+        holder[chance.choice(("", "a.b", "é\n", "value", "min", "<number>", "[key]", "x" * 200, str(key) + "x"))] = (
+            value
+        )
     elif kind == 2:
         holder[key] = deepcopy(chance.choice(others))
     elif kind == 3 and isinstance(value, int | float) and not isinstance(value, bool):
@@ -164,13 +286,16 @@ def _recording_seeds() -> list[bytes]:
     lines = RECORDING.read_text(encoding="utf-8").splitlines()
     short = "\n".join([lines[0], *lines[1:60:4], *lines[120:160:5]]) + "\n"
     notches = "run,stroke_mm,bending_length_mm,notch_1_deg,notch_2_deg\n" + "".join(
-        f"a,{0.6 + 0.2 * min(i, 20 - i):.2f},1.2,{0.1 * min(i, 20 - i):.2f},{0.09 * min(i, 20 - i):.3f}\n" for i in range(21)
+        f"a,{0.6 + 0.2 * min(i, 20 - i):.2f},1.2,{0.1 * min(i, 20 - i):.2f},{0.09 * min(i, 20 - i):.3f}\n"
+        for i in range(21)
     )
     tension = "tension_n,time_s,bend_deg,bending_length_mm,outer,middle\n" + "".join(
         f"{0.1 * min(i, 20 - i):.2f},{i},{1.7 * min(i, 20 - i):.2f},30,,MT1\n" for i in range(21)
     )
     shape = "run,tube,natural,x_mm,y_mm\n" + "".join(
-        f"{way},OT4,{way},{x},{sign * 0.001 * x * x:.4f}\n" for way, sign in (("up", 1), ("down", -1)) for x in range(0, 112, 8)
+        f"{way},OT4,{way},{x},{sign * 0.001 * x * x:.4f}\n"
+        for way, sign in (("up", 1), ("down", -1))
+        for x in range(0, 112, 8)
     )
     foreign = "stroke_mm;tension_n;curvature_per_m;bending_length_mm\n" + "".join(
         f"{0.5 * i:.1f};{0.1 * i:.1f};{2 * i:.1f};20\n".replace(".", ",") for i in range(9)
@@ -225,7 +350,12 @@ def _image_seeds() -> list[bytes]:
         Scene((120, 200), (tube,), bright=True, light=200.0),
         Scene((120, 200), (tube,), glare=(90.0, 80.0, 14.0), streak=0.3),
         Scene((120, 200), (tube, Tube(width=8.0, length=120.0, curvature=-0.003, start=(25.0, 30.0)))),
-        Scene((90, 120), (Tube(width=14.0, length=90.0, curvature=0.0, start=(0.0, 45.0)),), noise=12.0, gradient=(0.4, 0.2)),
+        Scene(
+            (90, 120),
+            (Tube(width=14.0, length=90.0, curvature=0.0, start=(0.0, 45.0)),),
+            noise=12.0,
+            gradient=(0.4, 0.2),
+        ),
     )
     return [_grey_map(scene.image()) for scene in scenes]
 

@@ -92,8 +92,10 @@ def test_anything_else_is_one_sentence(tmp_path, data):
 )
 def test_a_spoiled_cell_never_passes_for_a_number(tmp_path, recording, row, column, junk):
     runs, counts, stroke, bend = recording
-    rows = [[n, repr(s), "" if b is None else repr(b)] for n, s, b in
-            zip(np.repeat(runs, counts).tolist(), stroke, bend, strict=True)]  # fmt: skip
+    rows = [
+        [n, repr(s), "" if b is None else repr(b)]
+        for n, s, b in zip(np.repeat(runs, counts).tolist(), stroke, bend, strict=True)
+    ]
     row %= len(rows)
     rows[row][column] += junk
     path = tmp_path / "rec.csv"

@@ -159,9 +159,7 @@ def _wrist(rng: np.random.Generator, colour: str) -> Case:
         bent = wrist(friction, tension, modulus=modulus)
         level = 0.01 * bent.max()
         spread = np.stack([noise(rng, tension.size, level, colour) for _ in range(bent.shape[1])], axis=1)
-        runs.append(
-            recorded(f"run_{number}", (None, "A"), 0.01, None, None, bent + spread, tension, "notch")
-        )
+        runs.append(recorded(f"run_{number}", (None, "A"), 0.01, None, None, bent + spread, tension, "notch"))
     return Case(config, tuple(runs), "distributed_notch_friction", colour)
 
 
@@ -203,12 +201,16 @@ def wilson(hits: int, count: int) -> tuple[float, float]:
 FAMILIES = {
     "friction and play": ("capstan_hysteresis", "coulomb_friction", "backlash", "distributed_notch_friction"),
     "actuator and tendon": (
-        "leadscrew_pitch_error", "tendon_superelasticity", "tendon_creep", "tendon_permanent_set", "bending_length_offset",
+        "leadscrew_pitch_error",
+        "tendon_superelasticity",
+        "tendon_creep",
+        "tendon_permanent_set",
+        "bending_length_offset",
     ),
     "structure": ("tube_superelasticity", "notch_closure", "snap_through", "chord_section", "notch_end_effect"),
     "at rest": ("precurvature", "tip_load", "gravity"),
     "camera and clock": ("sensor_lag", "camera_offset", "thermal_drift"),
-}  # fmt: skip
+}
 L2 = ("capstan_hysteresis", "coulomb_friction", "tendon_superelasticity", "bending_length_offset", "camera_scale")
 L5 = ("sensor_lag", "capstan_hysteresis", "camera_offset", "tendon_permanent_set", "thermal_drift", "tendon_creep")
 
@@ -217,9 +219,13 @@ def rows(seeds: range, levels: str = "L0 L1 L2 L5 L6") -> Iterator[tuple[str, st
     """Yield level, subject and how often each outcome was met."""
     if "L0" in levels:
         for colour in COLOURS:
-            yield "L0", colour, Counter(
-                "right" if (v := diagnosed(clean(seed, colour)).verdict) in ("agrees", "parameters") else v
-                for seed in seeds
+            yield (
+                "L0",
+                colour,
+                Counter(
+                    "right" if (v := diagnosed(clean(seed, colour)).verdict) in ("agrees", "parameters") else v
+                    for seed in seeds
+                ),
             )
     for level, subjects in (("L1", SHOWN), ("L2", L2), ("L5", L5), ("L6", tuple(UNKNOWN))):
         if level not in levels:
@@ -246,7 +252,13 @@ def main() -> None:
 
 def _line(level: str, subject: str, counts: Counter[str]) -> str:
     count = sum(counts.values())
-    wanted = {"L0": ("right",), "L1": ("first",), "L2": ("first", "none", "group"), "L5": ("first",), "L6": ("unexplained",)}
+    wanted = {
+        "L0": ("right",),
+        "L1": ("first",),
+        "L2": ("first", "none", "group"),
+        "L5": ("first",),
+        "L6": ("unexplained",),
+    }
     hits = sum(counts[name] for name in wanted[level])
     low, high = wilson(hits, count)
     told = ", ".join(f"{name} {number}" for name, number in counts.most_common())

@@ -36,7 +36,9 @@ def test_a_pair_of_the_front_beats_s4_when_it_is_ranked(coast, tmp_path):
     text = text.replace("[inner] ", sample("middle", best, middle) + "[inner] ", 1)
     path = tmp_path / "with_best.toml"
     path.write_text(text, encoding="utf-8")
-    ranked = {(row["outer"], row["middle"]): row for row in json.loads(coast("rank-pairs", path, "-f", "json").out)["rows"]}
+    ranked = {
+        (row["outer"], row["middle"]): row for row in json.loads(coast("rank-pairs", path, "-f", "json").out)["rows"]
+    }
     found, chosen = ranked["best-outer", "best-middle"], ranked["OT4", "MT1"]
     assert found["rigidity_ratio_mean"] > 1.0  # so that a smaller ratio is a smaller |ln ratio|
     for name in FIGURES:

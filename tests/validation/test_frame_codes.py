@@ -24,9 +24,16 @@ def tip_error(row: dict[str, float]) -> float:
     """Distance of the code's tip from ours over the length."""
     one = np.ones(188)
     tube = NotchedTube(
-        "reference", 0.2e-3, 0.165e-3, 0.35e-3 * one, 0.3e-3 * one, 0.3e-3 * one, 45e9, 6450.0,
+        "reference",
+        0.2e-3,
+        0.165e-3,
+        0.35e-3 * one,
+        0.3e-3 * one,
+        0.3e-3 * one,
+        45e9,
+        6450.0,
         row["natural_curvature_per_m"],
-    )  # fmt: skip
+    )
     solution = solve_beam(tube, 9.81)
     return float(np.hypot(solution.x[-1] - row["tip_x_m"], solution.y[-1] - row["tip_y_m"])) / tube.length
 

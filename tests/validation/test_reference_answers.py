@@ -17,7 +17,14 @@ REFERENCE = {
 def reference_tube(natural_curvature: float) -> NotchedTube:
     notches = np.ones(188)
     return NotchedTube(
-        "reference", 0.2e-3, 0.165e-3, 0.35e-3 * notches, 0.3e-3 * notches, 0.3e-3 * notches, 45e9, 6450.0,
+        "reference",
+        0.2e-3,
+        0.165e-3,
+        0.35e-3 * notches,
+        0.3e-3 * notches,
+        0.3e-3 * notches,
+        45e9,
+        6450.0,
         natural_curvature,
     )
 

@@ -41,8 +41,12 @@ def clamp_from_tip(tube: NotchedTube, tip_angle: float) -> np.ndarray:
             angle, moment, _, _, shear = state
             cosine = np.cos(angle)
             return [
-                moment / rigidity - tube.natural_curvature, shear * cosine, cosine, np.sin(angle), weight * GRAVITY,
-            ]  # fmt: skip
+                moment / rigidity - tube.natural_curvature,
+                shear * cosine,
+                cosine,
+                np.sin(angle),
+                weight * GRAVITY,
+            ]
 
         state = solve_ivp(slope, (0.0, length), state, method="DOP853", rtol=1e-11, atol=1e-15).y[:, -1]
     return state

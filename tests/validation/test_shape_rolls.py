@@ -19,6 +19,7 @@ MODULUS = 45e9
 
 def _robot(random: np.random.Generator) -> Robot:
     """A soft outer tube, and a middle one whose natural curvature is what a roll turns."""
+
     def tube(name, od, bore, share, natural):
         return Tube(name, od * MM, bore * MM, round(od * share, 3) * MM, 0.3 * MM, 0.3 * MM, 150, natural)
 
@@ -49,7 +50,9 @@ def _diagnosis(path, roll_deg: float, seed: int):
     return diagnose_shapes(config, read_recordings([path / name for name in files], config).shape.runs)
 
 
-@pytest.mark.parametrize(("roll_deg", "seed"), [(5.0, 1), (6.5, 2), (8.0, 3), (10.0, 4), (12.0, 5), (20.0, 6), (30.0, 7)])
+@pytest.mark.parametrize(
+    ("roll_deg", "seed"), [(5.0, 1), (6.5, 2), (8.0, 3), (10.0, 4), (12.0, 5), (20.0, 6), (30.0, 7)]
+)
 def test_a_roll_is_named_and_its_angle_found_within_two_degrees(tmp_path, roll_deg, seed):
     found = _diagnosis(tmp_path, roll_deg, seed)
     assert [effect.id for effect in found.effects] == ["roll_misalignment"]

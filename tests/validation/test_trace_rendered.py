@@ -25,17 +25,30 @@ def random_scene(seed):
     length = min(rng.uniform(20, 60) / scale, 1100, 2.6 / curvature)
     pitch = rng.uniform(0.9, 1.5)
     tube = Tube(
-        width, length, curvature * rng.choice([-1, 1]), (0, 0), rng.uniform(-0.4, 0.4), pitch=pitch,
-        cut=pitch * rng.uniform(0.4, 0.6), depth=rng.uniform(0.5, 0.8), notch_side=int(rng.choice([-1, 1, -1, 1, 0])),
-    )  # fmt: skip
+        width,
+        length,
+        curvature * rng.choice([-1, 1]),
+        (0, 0),
+        rng.uniform(-0.4, 0.4),
+        pitch=pitch,
+        cut=pitch * rng.uniform(0.4, 0.6),
+        depth=rng.uniform(0.5, 0.8),
+        notch_side=int(rng.choice([-1, 1, -1, 1, 0])),
+    )
     _, x, y, _, _ = tube.axis(1.0)
     margin = width + 25
     tube = replace(tube, start=(margin - x.min(), margin - y.min()))
     shape = (int(np.ptp(y) + 2 * margin), int(np.ptp(x) + 2 * margin))
     scene = Scene(
-        shape, (tube,), gradient=tuple(rng.uniform(-0.5, 0.5, 2)), noise=rng.uniform(0, 6), blur=rng.uniform(0.4, 1.5),
-        bright=bool(rng.random() < 0.2), streak=float(rng.choice([0, 0.3])), seed=seed,
-    )  # fmt: skip
+        shape,
+        (tube,),
+        gradient=tuple(rng.uniform(-0.5, 0.5, 2)),
+        noise=rng.uniform(0, 6),
+        blur=rng.uniform(0.4, 1.5),
+        bright=bool(rng.random() < 0.2),
+        streak=float(rng.choice([0, 0.3])),
+        seed=seed,
+    )
     return tube, scene, scale
 
 

@@ -160,7 +160,9 @@ def _grow(
     for place in order:
         if place in order[:_FINISHED] or behind[place] < behind[order[0]] + _FAR_BEHIND:
             one = started[place]
-            finished = fit(problem, one.effects, one.coordinates, level=min(loose, max(one.evidence.level, level)), steps=6)
+            finished = fit(
+                problem, one.effects, one.coordinates, level=min(loose, max(one.evidence.level, level)), steps=6
+            )
             tried[finished.key] = _hypothesis(problem, finished)
             grown.append(tried[finished.key])
     return grown
@@ -200,9 +202,11 @@ def screen(problem: Problem, parent: Fit, level: float) -> list[ShapeEffect]:
     scale = max(level, parent.evidence.level, 1e-12)
     taken = {effect.id for effect in parent.effects} | problem.carried
     starts = [
-        start for effect in SHAPE_CATALOGUE.values() if effect.id not in taken and (problem.scene.pairs or not effect.on_pairs)
+        start
+        for effect in SHAPE_CATALOGUE.values()
+        if effect.id not in taken and (problem.scene.pairs or not effect.on_pairs)
         for start in effect.starts(problem.scene)
-    ]  # fmt: skip
+    ]
     jobs: list[Job] = []
     spans = []
     for start in starts:

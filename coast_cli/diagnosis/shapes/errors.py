@@ -37,7 +37,11 @@ def errors_of(
         distance = np.hypot(run.x - line.x[0], run.y - line.y[0])
         shape.append(distance[rows[index]])
         tips.append(distance[-1])
-    return Errors(_rms(np.concatenate(shape)) / MILLIMETRE, _rms(np.array(tips)) / MILLIMETRE) if shape else Errors(0.0, 0.0)
+    return (
+        Errors(_rms(np.concatenate(shape)) / MILLIMETRE, _rms(np.array(tips)) / MILLIMETRE)
+        if shape
+        else Errors(0.0, 0.0)
+    )
 
 
 def expected_of(problem: Problem, fitted: Fit, rows: Sequence[NDArray[np.bool_]], noise: float) -> float:

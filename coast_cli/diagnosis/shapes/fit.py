@@ -59,9 +59,14 @@ class Fit:
 
 
 def fit(
-    problem: Problem, effects: Sequence[ShapeEffect] = (), start: FloatArray | None = None, *, level: float,
-    steps: int = _STEPS, polish: bool = True,
-) -> Fit:  # fmt: skip
+    problem: Problem,
+    effects: Sequence[ShapeEffect] = (),
+    start: FloatArray | None = None,
+    *,
+    level: float,
+    steps: int = _STEPS,
+    polish: bool = True,
+) -> Fit:
     """Fit base parameters and those of ``effects`` from their current values.
 
     Args:
@@ -189,9 +194,12 @@ def _descend(space: Space, vector: FloatArray, level: float, colour: int, steps:
     white, cost = cost_of(residual, vector)
     damping = 1e-4
     for _ in range(steps):
-        jacobian = np.concatenate([
-            bank.whiten(space.jacobian(vector, residual), colour) / level, np.diag(space.held / space.width),
-        ])  # fmt: skip
+        jacobian = np.concatenate(
+            [
+                bank.whiten(space.jacobian(vector, residual), colour) / level,
+                np.diag(space.held / space.width),
+            ]
+        )
         gradient = jacobian.T @ white
         active = ~(((vector <= space.low) & (gradient > 0)) | ((vector >= space.high) & (gradient < 0)))
         if not np.any(active):

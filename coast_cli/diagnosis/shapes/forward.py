@@ -105,10 +105,14 @@ class Forward:
         force = np.array([beam.loads.upward_force for beam in beams])
         zero = np.zeros(len(beams))
         solved = solve_segments(
-            length, rigidity, table("load", 0.0) / span, bend / span,
-            gravity=np.stack([zero, -pull], axis=1), tip_force=np.stack([zero, force], axis=1),
+            length,
+            rigidity,
+            table("load", 0.0) / span,
+            bend / span,
+            gravity=np.stack([zero, -pull], axis=1),
+            tip_force=np.stack([zero, force], axis=1),
             base_angle=np.array([beam.loads.base_angle for beam in beams]),
-        )  # fmt: skip
+        )
         found: dict[int, Line] = {}
         groups: dict[int, list[int]] = {}
         for place, (index, _) in enumerate(jobs):
@@ -143,14 +147,17 @@ class Forward:
                 sideways += curved * np.sin(loads.roll)
             else:
                 offset = photograph.upward * pieces.offset[own]
-        return _cells(layout, rigidity, weight, natural / rigidity + loads.held_curvature, sideways / rigidity, offset, loads)
+        return _cells(
+            layout, rigidity, weight, natural / rigidity + loads.held_curvature, sideways / rigidity, offset, loads
+        )
 
     def _tube_pieces(self, number: int, tube: NotchedTube, state: State) -> Pieces:
         """Return the pieces of a tube of unit modulus without its own natural curvature."""
         acting = tuple(
-            effect.spread(state.spread.get(number, 0.0)) for effect in state.effects
+            effect.spread(state.spread.get(number, 0.0))
+            for effect in state.effects
             if effect.acts_on(number) and (effect.stage_overridden("geometry") or effect.stage_overridden("pieces"))
-        )  # fmt: skip
+        )
         key = (number, acting)
         if key not in self._pieces:
             if len(self._pieces) > _CACHED:
@@ -217,15 +224,27 @@ class _Beam:
 
 
 def _cells(
-    layout: _Layout, rigidity: FloatArray, weight: FloatArray, natural: FloatArray, sideways: FloatArray,
-    offset: FloatArray, loads: Loads,
-) -> _Beam:  # fmt: skip
+    layout: _Layout,
+    rigidity: FloatArray,
+    weight: FloatArray,
+    natural: FloatArray,
+    sideways: FloatArray,
+    offset: FloatArray,
+    loads: Loads,
+) -> _Beam:
     length = layout.length
     flexibility = length / rigidity
-    columns = np.stack([
-        length, flexibility, natural * length, weight * length, sideways * length, offset * natural * length,
-        offset * flexibility,
-    ])  # fmt: skip
+    columns = np.stack(
+        [
+            length,
+            flexibility,
+            natural * length,
+            weight * length,
+            sideways * length,
+            offset * natural * length,
+            offset * flexibility,
+        ]
+    )
     span, soft, bend, load, turn, shrink, share = _merged(columns, layout.chosen)
     return _Beam(span, soft, bend, load, turn, shrink, share / soft, loads)
 

@@ -120,7 +120,9 @@ class _Judge:
         before, after = comparison.refitted.held_out, comparison.with_effects.held_out
         if before is None or after is None or after < before:
             return True
-        return after < _AS_EXPECTED * expected_of(self.problem, self.contest.leading.fit, self.kept_back.rows, self.floor)
+        return after < _AS_EXPECTED * expected_of(
+            self.problem, self.contest.leading.fit, self.kept_back.rows, self.floor
+        )
 
     def _verdict(self, rivals: Sequence[Hypothesis], *, unexplained: bool) -> Verdict:
         if unexplained:
@@ -164,9 +166,15 @@ class _Judge:
         refitted, tip_refitted = level(base.coordinates, None)
         with_effects, tip_effects = level(fitted.coordinates, fitted)
         return Comparison(
-            unit=UNIT, held_out_runs=self.kept_back.runs, rule=self.kept_back.rule, configured=configured,
-            refitted=refitted, with_effects=with_effects, tip_mm_refitted=tip_refitted, tip_mm_with_effects=tip_effects,
-        )  # fmt: skip
+            unit=UNIT,
+            held_out_runs=self.kept_back.runs,
+            rule=self.kept_back.rule,
+            configured=configured,
+            refitted=refitted,
+            with_effects=with_effects,
+            tip_mm_refitted=tip_refitted,
+            tip_mm_with_effects=tip_effects,
+        )
 
     def _by_importance(self) -> list[str]:
         """Return the leading ids, the one whose loss would cost most first."""
@@ -178,9 +186,10 @@ class _Judge:
         for effect in leading.fit.effects:
             rest = tuple(other for other in leading.fit.effects if other is not effect)
             key = leading.fit.key - {effect.variant}
-            cost[effect.id] = tried.get(key) or fit(
-                self.problem, rest, leading.fit.coordinates, level=self.floor, steps=6, polish=False
-            ).rmse
+            cost[effect.id] = (
+                tried.get(key)
+                or fit(self.problem, rest, leading.fit.coordinates, level=self.floor, steps=6, polish=False).rmse
+            )
         return sorted(leading.ids, key=lambda identifier: -cost[identifier])
 
     def _named(self, final: Fit, rivals: Sequence[Hypothesis], leftover: float) -> tuple[Named, ...]:
@@ -199,8 +208,9 @@ class _Judge:
                 place += 1
             if TUBE in effect.parameters:
                 values["tube"] = Value(float(getattr(effect, "tube", 0.0)), 0.0, at_bound=False)
-            names[effect.id] = Named(effect.id, effect.kind, effect.component, effect.title, effect.equation,
-                                     confidence, values)  # fmt: skip
+            names[effect.id] = Named(
+                effect.id, effect.kind, effect.component, effect.title, effect.equation, confidence, values
+            )
         return tuple(names[identifier] for identifier in self._by_importance())
 
     def _where(self, final: Fit, *, named: bool) -> tuple[Region, ...]:
@@ -213,7 +223,9 @@ class _Judge:
             if isinstance(effect, LocalStiffnessDefect):
                 pitch = max(float(t.pitch.max()) for p in self.problem.photographs for _, t in p.tubes) / MILLIMETRE
                 half = max(effect.length_mm, pitch) / 2.0
-                place = Region("arc_length", None, effect.arc_length_mm - half, effect.arc_length_mm + half, share, p_value)
+                place = Region(
+                    "arc_length", None, effect.arc_length_mm - half, effect.arc_length_mm + half, share, p_value
+                )
                 regions = [place, *(region for region in regions if region.axis != "arc_length")]
             if tube and len(self.problem.scene.tubes) > 1:
                 name = self.problem.scene.tubes[tube]
@@ -232,8 +244,9 @@ class _Judge:
         problem = self.problem
         cells = {
             (tube.outer_radius, tube.inner_radius, tube.depth.tobytes(), tube.cut.tobytes(), tube.uncut.tobytes())
-            for photograph in problem.photographs for _, tube in photograph.tubes
-        }  # fmt: skip
+            for photograph in problem.photographs
+            for _, tube in photograph.tubes
+        }
         values = problem.values(self.contest.base.fit.coordinates)
         moved = any(abs(np.log(values[p.key] / p.value)) > 0.03 for p in problem.base if p.logarithmic)
         return len(cells) == 1 and moved
@@ -296,9 +309,15 @@ def _spread_note(problem: Problem, final: Fit) -> list[str]:
     if not any(getattr(effect, "by_tube", 0.0) for effect in final.effects):
         return []
     found = problem.spreads(final.coordinates)
-    parts = ", ".join(f"{problem.scene.tubes[n]} {100.0 * share:+.0f} %" for n, share in found.items() if abs(share) > 0.01)
+    parts = ", ".join(
+        f"{problem.scene.tubes[n]} {100.0 * share:+.0f} %" for n, share in found.items() if abs(share) > 0.01
+    )
     allowed = f"{100.0 * END_EFFECT_SPREAD:.0f} %"
-    return [f"the end effect of a tube may differ from its table by {allowed}, one standard deviation: {parts}"] if parts else []
+    return (
+        [f"the end effect of a tube may differ from its table by {allowed}, one standard deviation: {parts}"]
+        if parts
+        else []
+    )
 
 
 def _one_way_up(problem: Problem) -> list[str]:

@@ -76,7 +76,9 @@ def photographs(design: Design, runs: Sequence[ShapeRun]) -> tuple[Photograph, .
 
 
 def _photograph(design: Design, numbers: dict[str, int], run: ShapeRun) -> Photograph:
-    tubes = tuple((numbers[tube.name], tube) for tube in (design.tube(name) for name in (run.outer, run.middle) if name))
+    tubes = tuple(
+        (numbers[tube.name], tube) for tube in (design.tube(name) for name in (run.outer, run.middle) if name)
+    )
     length = min(tube.length for _, tube in tubes)
     outer_names = {tube.name for tube in design.outer}
     usual = 1.0 if tubes[0][1].name in outer_names else -1.0
@@ -150,15 +152,25 @@ def _check(run: ShapeRun, length: float) -> None:
     backward = _turned_back(x, y, usual)
     if backward is None and step.max() > max(_WIDEST_GAP * length, 3.0 * usual):
         row = int(np.argmax(step)) + 1
-        raise _refusal(run, row, f"a gap of {step.max() / MILLIMETRE:.3g} mm between points", "points all along the tube")
+        raise _refusal(
+            run, row, f"a gap of {step.max() / MILLIMETRE:.3g} mm between points", "points all along the tube"
+        )
     if backward is not None:
-        raise _refusal(run, backward, "the points go back and forth: out of order, or the line crosses itself",
-                       "points in order from the clamp to the tip")  # fmt: skip
+        raise _refusal(
+            run,
+            backward,
+            "the points go back and forth: out of order, or the line crosses itself",
+            "points in order from the clamp to the tip",
+        )
     early = max(3, int(np.searchsorted(np.cumsum(step), 0.1 * length)) + 1)
     rise = abs(float(np.mean(y[1:early]))), abs(float(np.mean(x[1:early])))
     if rise[0] > 2.5 * rise[1] and rise[0] > 0.01 * length:
-        raise _refusal(run, 1, "the shape leaves the clamp along y: x and y seem to be swapped",
-                       "x along the clamped tube, gravity along -y")  # fmt: skip
+        raise _refusal(
+            run,
+            1,
+            "the shape leaves the clamp along y: x and y seem to be swapped",
+            "x along the clamped tube, gravity along -y",
+        )
     if x[early - 1] < 0.0 and abs(x[early - 1]) > 0.02 * length:
         raise _refusal(run, 1, "the shape leaves the clamp towards -x", "x along the clamped tube")
 
@@ -189,12 +201,15 @@ def _check_length(run: ShapeRun, length: float, recorded: float) -> None:
         raise BadInput(
             f"the points of shape {run.name!r} are {recorded / MILLIMETRE:.4g} mm long and {run.pair} is "
             f"{length / MILLIMETRE:.4g} mm: another tube's shape, another unit, or not up to the tip",
-            file=run.source, line=int(run.line[-1]), found=f"{recorded / length:.2f} of its length",
+            file=run.source,
+            line=int(run.line[-1]),
+            found=f"{recorded / length:.2f} of its length",
             allowed=f"{_LENGTHS[0]:g} to {_LENGTHS[1]:g}",
-        )  # fmt: skip
+        )
 
 
 def _refusal(run: ShapeRun, row: int, message: str, allowed: str) -> BadInput:
     found = f"({run.x[row] / MILLIMETRE:.4g}, {run.y[row] / MILLIMETRE:.4g}) mm"
-    return BadInput(f"shape {run.name!r}: {message}", file=run.source, line=int(run.line[row]), found=found,
-                    allowed=allowed)  # fmt: skip
+    return BadInput(
+        f"shape {run.name!r}: {message}", file=run.source, line=int(run.line[row]), found=found, allowed=allowed
+    )

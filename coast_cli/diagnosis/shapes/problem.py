@@ -171,7 +171,9 @@ class Problem:
         pairs = zip(self.base, coordinates.tolist(), strict=True)
         return {p.tubes[0]: c for p, c in pairs if p.quantity == "spread"}
 
-    def corrected_tubes(self, coordinates: FloatArray, effects: Sequence[ShapeEffect]) -> dict[str, float | list[float]]:
+    def corrected_tubes(
+        self, coordinates: FloatArray, effects: Sequence[ShapeEffect]
+    ) -> dict[str, float | list[float]]:
         """Return what effects change in the tubes as numbers of the configuration, by key: depths, and extra cut lengths.
 
         Effects that are ``of_stock`` are in these numbers; the others are not.
@@ -231,10 +233,11 @@ class Problem:
     def touched(self, effect: ShapeEffect) -> list[int]:
         """Return the photographs that an effect changes."""
         return [
-            index for index, photograph in enumerate(self.photographs)
+            index
+            for index, photograph in enumerate(self.photographs)
             if (photograph.is_pair or not effect.on_pairs)
             and any(effect.acts_on(number) for number, _ in photograph.tubes)
-        ]  # fmt: skip
+        ]
 
     def touched_by_base(self, place: int, effects: Sequence[ShapeEffect]) -> list[int]:
         """Return the photographs that a base parameter changes, where these effects take part."""
@@ -307,8 +310,9 @@ def _curvatures(
     outer = 0 if config.outer is None else len(config.outer.samples)
     found = []
     for number in sorted(alone):
-        role, stock, place = ("outer", config.outer, number - 1) if number <= outer else (
-            "middle", config.middle, number - 1 - outer)  # fmt: skip
+        role, stock, place = (
+            ("outer", config.outer, number - 1) if number <= outer else ("middle", config.middle, number - 1 - outer)
+        )
         name = "" if stock is None else stock.samples[place].name
         value = natural[number]
         prior = max(_CURVATURE_PRIOR * abs(value), _CURVATURE_TURN / lengths[number])
@@ -330,5 +334,6 @@ def _spreads(alone: Mapping[int, str]) -> list[BaseParameter]:
     most = 2.0 * END_EFFECT_SPREAD
     return [
         BaseParameter(f"{name}.end_effect_spread", 0.0, -most, most, END_EFFECT_SPREAD, (number,), "spread")
-        for number, name in alone.items() if len(alone) > 1
-    ]  # fmt: skip
+        for number, name in alone.items()
+        if len(alone) > 1
+    ]

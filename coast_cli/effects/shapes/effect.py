@@ -169,7 +169,9 @@ class ShapeEffect(Effect):
         value = getattr(self, parameter.name)
         factor = float(np.sign(amount) * np.clip(abs(amount), 1e-3, 30.0) ** (1.0 / self.order))
         inside = 0.02 * (parameter.high - parameter.low)
-        moved = float(np.clip(parameter.null + (value - parameter.null) * factor, parameter.low, parameter.high - inside))
+        moved = float(
+            np.clip(parameter.null + (value - parameter.null) * factor, parameter.low, parameter.high - inside)
+        )
         return replace(self, **{parameter.name: moved})
 
     @classmethod

@@ -38,7 +38,5 @@ class NotchEndEffect(ShapeEffect):
         """Lengthen the cuts."""
         if self.table_share == 0.0:
             return tube
-        delta, _ = end_length(
-            tube.outer_radius, tube.inner_radius, tube.depth, tube.cut, tube.uncut, tube.section
-        )
+        delta, _ = end_length(tube.outer_radius, tube.inner_radius, tube.depth, tube.cut, tube.uncut, tube.section)
         return replace(tube, end_length=tube.end_length + self.table_share * delta)

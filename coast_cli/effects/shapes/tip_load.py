@@ -21,7 +21,9 @@ class TipLoad(ShapeEffect):
     stage = "structure"
     equation = "V(s) = integral_s^L w - force"
     source = "statics of the beam, P (3)-(7)"
-    parameters = (Parameter("force_mn", 0.0, -500.0, 500.0, (-0.1,), "a weight is negative: parts of the tube's own, and more"),)
+    parameters = (
+        Parameter("force_mn", 0.0, -500.0, 500.0, (-0.1,), "a weight is negative: parts of the tube's own, and more"),
+    )
     decided_by = "the same tube turned over: a load keeps its side; and the tube weighed"
 
     @classmethod

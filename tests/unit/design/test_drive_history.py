@@ -30,7 +30,9 @@ HELD = {
     "coulomb_friction": {"holds_per_m": 2.0},
 }
 # Up, down, up again and still.
-HISTORY = np.concatenate([np.linspace(1.0, 25.0, 60), np.linspace(25.0, 8.0, 50), np.linspace(8.0, 20.0, 30), np.full(9, 20.0)])
+HISTORY = np.concatenate(
+    [np.linspace(1.0, 25.0, 60), np.linspace(25.0, 8.0, 50), np.linspace(8.0, 20.0, 30), np.full(9, 20.0)]
+)
 
 
 @pytest.fixture(scope="module")
@@ -79,7 +81,9 @@ def test_play_is_made_up_for_on_release_and_friction_by_a_wait(joint):
 
 
 def test_the_drive_rests_where_the_curvature_does(joint):
-    found = drive_along(joint, joint.tendon, (Backlash(0.18), CapstanHysteresis(0.1, 0.0)), HISTORY, np.full(HISTORY.size, 0.03))
+    found = drive_along(
+        joint, joint.tendon, (Backlash(0.18), CapstanHysteresis(0.1, 0.0)), HISTORY, np.full(HISTORY.size, 0.03)
+    )
     assert np.ptp(found.stroke[-9:]) < 1e-9
 
 

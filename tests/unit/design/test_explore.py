@@ -51,7 +51,10 @@ def run(text, **options):
 
 def costs(rows):
     return np.array(
-        [[r["total_precurvature_rad"], abs(np.log(r["rigidity_ratio_mean"])), r["total_rigidity_mean_n_m2"]] for r in rows]
+        [
+            [r["total_precurvature_rad"], abs(np.log(r["rigidity_ratio_mean"])), r["total_rigidity_mean_n_m2"]]
+            for r in rows
+        ]
     )
 
 
@@ -179,7 +182,9 @@ def test_an_interrupted_exploration_goes_on_where_it_was(reference_text):
     whole = run(text, chunk=16, save=lambda columns, state: kept.append((columns, state)))
     assert len(kept) == 16
     rest = []
-    resumed = run(text, chunk=16, beginning=Beginning(7, kept[6][1]), save=lambda columns, state: rest.append((columns, state)))
+    resumed = run(
+        text, chunk=16, beginning=Beginning(7, kept[6][1]), save=lambda columns, state: rest.append((columns, state))
+    )
     assert resumed == whole
     assert len(rest) == 9
     ends = [{name: column.tolist() for name, column in saved[-1][1].items()} for saved in (rest, kept)]
@@ -209,7 +214,9 @@ def test_every_pair_of_two_blocks_is_that_pair_alone(reference_text, step):
     columns = [explore_block(task).columns for task in tasks(text, "test.toml", 3)]
     assert len(columns) == 4
     every = {name: np.concatenate([part[name] for part in columns]) for name in columns[0]}
-    assert sorted(zip(every["outer"], every["middle"], strict=True)) == [(i, k) for i in range(1, 7) for k in range(1, 7)]
+    assert sorted(zip(every["outer"], every["middle"], strict=True)) == [
+        (i, k) for i in range(1, 7) for k in range(1, 7)
+    ]
     counts = [every["outer_count"][every["outer"] == number][0] for number in range(1, 7)]
     assert counts == sorted(counts)
     for row in range(36):
@@ -221,7 +228,9 @@ def test_every_pair_of_two_blocks_is_that_pair_alone(reference_text, step):
             )
         )
         alone = pair_figures(outer, middle, design.gravity)
-        found = [every[name][row] for name in ("total_precurvature_rad", "rigidity_ratio_mean", "total_rigidity_series_n_m2")]
+        found = [
+            every[name][row] for name in ("total_precurvature_rad", "rigidity_ratio_mean", "total_rigidity_series_n_m2")
+        ]
         np.testing.assert_allclose(found, [alone.total_precurvature, alone.ratio_mean, alone.total_series], rtol=1e-9)
 
 

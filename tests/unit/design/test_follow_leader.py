@@ -84,12 +84,15 @@ def test_deviation_is_the_distance_at_equal_arc_length_along_the_body_so_far():
     assert (np.diff(largest) >= 0.0).all()
 
 
-@pytest.mark.parametrize(("arc_length", "curvature", "best"), [
-    # the least largest distances that 2,000-step simplices from many starts found
-    ([0.0, 0.06], [0.0, 40.0], 0.52e-3),
-    ([0.0, 0.01, 0.0101, 0.03, 0.0301, 0.05], [0.0, 0.0, 20.0, 20.0, -20.0, -20.0], 0.70e-3),
-    ([0.0, 0.1], [15.0, 15.0], 1.15e-3),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("arc_length", "curvature", "best"),
+    [
+        # the least largest distances that 2,000-step simplices from many starts found
+        ([0.0, 0.06], [0.0, 40.0], 0.52e-3),
+        ([0.0, 0.01, 0.0101, 0.03, 0.0301, 0.05], [0.0, 0.0, 20.0, 20.0, -20.0, -20.0], 0.70e-3),
+        ([0.0, 0.1], [15.0, 15.0], 1.15e-3),
+    ],
+)
 def test_the_nearest_body_is_as_near_as_a_long_search_finds(arc_length, curvature, best):
     followed = path(arc_length, curvature)
     found = nearest_body(followed, LONGEST, extends=True)
@@ -98,7 +101,9 @@ def test_the_nearest_body_is_as_near_as_a_long_search_finds(arc_length, curvatur
 
 def test_a_path_that_turns_back_is_followed_in_part():
     s = np.linspace(0.0, 0.09, 46)
-    followed = path(s, np.interp(s, [0.02, 0.022, 0.04, 0.042, 0.05, 0.052, 0.07, 0.072], [0, 35, 35, 0, 0, -35, -35, 0]))
+    followed = path(
+        s, np.interp(s, [0.02, 0.022, 0.04, 0.042, 0.05, 0.052, 0.07, 0.072], [0, 35, 35, 0, 0, -35, -35, 0])
+    )
     found, far = follow_path(followed, LONGEST, 1e-3, extends=True)
     distance = found.distance(followed, followed.arc_length)
     assert 0.055 < far < 0.09

@@ -141,10 +141,13 @@ LIMITS = Checks(
         (branch(50.0, 0.04), {"checks": LIMITS}, "stroke above 4 mm (checks.max_stroke_mm)"),
         (branch(50.0, 0.04), {"checks": LIMITS}, "tendon strain above 0.006 (checks.max_tendon_strain)"),
         (branch(30.0, 0.04, tail=0.09), {}, "the outer tube's notches no longer cover the bend"),
-        (path_of_curvature(np.array([0.0, 0.03, 0.031, 0.06]), np.array([40.0, 40.0, -40.0, -40.0])), {},
-         "the body is more than 1 mm off the path"),
+        (
+            path_of_curvature(np.array([0.0, 0.03, 0.031, 0.06]), np.array([40.0, 40.0, -40.0, -40.0])),
+            {},
+            "the body is more than 1 mm off the path",
+        ),
     ],
-)  # fmt: skip
+)
 def test_each_limit_is_a_reason(joint, path, options, said):
     plan = planned(joint, path, **options)
     assert plan.reached == (said is None)
@@ -178,7 +181,9 @@ def test_a_snap_is_out_of_reach(joint):
 
 def test_one_tube_and_no_tendon(joint):
     one = replace(joint, outer=None)
-    assert "one tube cannot be fed on beyond its bend" in reasons(planned(one, branch(20.0, 0.05, tail=0.07), within=1.0))
+    assert "one tube cannot be fed on beyond its bend" in reasons(
+        planned(one, branch(20.0, 0.05, tail=0.07), within=1.0)
+    )
     plan = planned(replace(joint, tendon=None), branch(30.0, 0.04))
     assert plan.reached
     assert set(plan.columns["stroke_mm"]) == {None}

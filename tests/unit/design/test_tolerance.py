@@ -114,13 +114,16 @@ def test_sobol_indices_of_a_product_see_the_interaction():
 
 
 def test_a_figure_that_one_input_moves_has_its_index(reference_text):
-    text = reference_text + """
+    text = (
+        reference_text
+        + """
 [tolerances]
 outer_diameter_mm = { plus_minus = 0.0 }
 inner_diameter_mm = { plus_minus = 0.0 }
 depth_mm = { plus_minus = 0.0 }
 youngs_modulus_percent = { plus_minus = 5.0, distribution = "uniform" }
 """
+    )
     rows, _, columns = rows_of(text, index_samples=256)
     assert rows["figure", "rigidity_ratio_mean", None]["std"] == pytest.approx(3.3908 * 0.05 / 3**0.5 * 2**0.5, rel=0.1)
     for name in ("outer", "middle"):

@@ -32,9 +32,18 @@ def sweep(config, name, length, *, noise=0.1, truth=TRUTH, seed=0, release=False
     curvature = curvature_from_stroke(joint, stroke, length).curvature
     pull = tension(joint, curvature, length) + 0.003 * rng.normal(size=stroke.size)
     return JointRun(
-        name, f"{name}.csv", np.arange(stroke.size), None, "OT4", "MT1", np.full(stroke.size, length), stroke,
-        pull if witness else None, (curvature + noise * rng.normal(size=stroke.size))[:, None], "curvature",
-    )  # fmt: skip
+        name,
+        f"{name}.csv",
+        np.arange(stroke.size),
+        None,
+        "OT4",
+        "MT1",
+        np.full(stroke.size, length),
+        stroke,
+        pull if witness else None,
+        (curvature + noise * rng.normal(size=stroke.size))[:, None],
+        "curvature",
+    )
 
 
 def recordings(*runs):

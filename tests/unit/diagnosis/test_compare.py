@@ -31,9 +31,18 @@ def exact(config):
 def joint(response, name="a", kind="curvature", **changes):
     response = np.atleast_2d(response).T if np.ndim(response) == 1 else response
     run = JointRun(
-        name, "f.csv", np.arange(len(STROKE)), None, "OT4", "MT1", np.full(len(STROKE), LENGTH), STROKE, None,
-        response, kind,
-    )  # fmt: skip
+        name,
+        "f.csv",
+        np.arange(len(STROKE)),
+        None,
+        "OT4",
+        "MT1",
+        np.full(len(STROKE), LENGTH),
+        STROKE,
+        None,
+        response,
+        kind,
+    )
     return replace(run, **changes)
 
 
@@ -119,9 +128,15 @@ def sagging(config, name, natural=None, turn=1.0, shift=0.0):
     at = np.linspace(0, solution.s.size - 1, 16).astype(int)
     outer = name if name.startswith("OT") else None
     return ShapeRun(
-        name + (natural or ""), "f.csv", np.arange(16), outer, None if outer else name,
-        solution.x[at], solution.y[at] + shift, natural,
-    )  # fmt: skip
+        name + (natural or ""),
+        "f.csv",
+        np.arange(16),
+        outer,
+        None if outer else name,
+        solution.x[at],
+        solution.y[at] + shift,
+        natural,
+    )
 
 
 @pytest.mark.parametrize("name", ["OT3", "MT3"])

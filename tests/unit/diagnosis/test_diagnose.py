@@ -59,8 +59,12 @@ def test_one_outlier_at_the_peak_is_no_effect(height):
 
 
 def test_few_samples_of_a_wide_sweep_are_no_noise():
-    runs = [replace(run, **{name: getattr(run, name)[::9] for name in ("line", "time", "stroke", "response", "bending_length")})
-            for run in recording(noise=NOISE, lengths=(0.035, 0.02, 0.03, 0.025))]  # fmt: skip
+    runs = [
+        replace(
+            run, **{name: getattr(run, name)[::9] for name in ("line", "time", "stroke", "response", "bending_length")}
+        )
+        for run in recording(noise=NOISE, lengths=(0.035, 0.02, 0.03, 0.025))
+    ]
     assert diagnose(runs).verdict in ("agrees", "parameters")
 
 

@@ -24,7 +24,12 @@ def region_of(found, axis):
 
 @pytest.mark.parametrize(
     "effect",
-    [Backlash(width_mm=0.2), Backlash(width_mm=0.05), CapstanHysteresis(pulley_friction=0.08), CoulombFriction(holds_per_m=1.0)],
+    [
+        Backlash(width_mm=0.2),
+        Backlash(width_mm=0.05),
+        CapstanHysteresis(pulley_friction=0.08),
+        CoulombFriction(holds_per_m=1.0),
+    ],
     ids=lambda effect: effect.id,
 )
 def test_hysteresis_is_on_release(effect):

@@ -30,9 +30,7 @@ def test_free_parameters_are_those_that_the_recording_can_tell():
 
 
 def test_bounds_given_in_the_configuration_hold():
-    text = TEXT.replace(
-        "youngs_modulus_gpa = 42.6 ", "youngs_modulus_gpa = { value = 42.6, min = 40.0, max = 45.0 } "
-    )
+    text = TEXT.replace("youngs_modulus_gpa = 42.6 ", "youngs_modulus_gpa = { value = 42.6, min = 40.0, max = 45.0 } ")
     problem = build_problem(load_config_text(text, "t.toml"), recording())
     modulus = problem.base[0]
     assert (modulus.value, modulus.low, modulus.high) == (42.6, 40.0, 45.0)

@@ -78,6 +78,6 @@ def test_one_run_is_judged_by_its_blocks():
 def test_few_samples_are_not_judged():
     run = recording(lengths=(0.03,), noise=NOISE)[0]
     held = np.ones(len(run), bool)
-    held[: 20] = False
+    held[:20] = False
     problem = problem_of([run], [held])
     assert find_structure(problem, fit(problem)).repeats == 0.0

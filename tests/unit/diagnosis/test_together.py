@@ -60,9 +60,13 @@ pair = "OT4/MT1"
 def _config():
     def samples(role, tubes):
         keys = "natural_curvature_per_m"
-        return "\n".join(f'[[{role}.samples]]\nname = "{n}"\ndepth_mm = {d}\n{keys} = {NATURAL[n]}' for n, d in tubes.items())
+        return "\n".join(
+            f'[[{role}.samples]]\nname = "{n}"\ndepth_mm = {d}\n{keys} = {NATURAL[n]}' for n, d in tubes.items()
+        )
 
-    return load_config_text(CONFIG.format(outer=samples("outer", OUTER), middle=samples("middle", MIDDLE)), "tubes.toml")
+    return load_config_text(
+        CONFIG.format(outer=samples("outer", OUTER), middle=samples("middle", MIDDLE)), "tubes.toml"
+    )
 
 
 def _robot(deeper: float) -> Robot:

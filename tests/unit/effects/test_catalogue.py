@@ -21,14 +21,31 @@ SAMPLES = 60
 
 
 def _tube(name: str, outer: float, inner: float, depth: float, count: int) -> NotchedTube:
-    return NotchedTube(name, outer * 1e-3, inner * 1e-3, np.full(count, depth * 1e-3), np.full(count, 3e-4),
-                       np.full(count, 3e-4), 45e9, 6450.0, 0.0)  # fmt: skip
+    return NotchedTube(
+        name,
+        outer * 1e-3,
+        inner * 1e-3,
+        np.full(count, depth * 1e-3),
+        np.full(count, 3e-4),
+        np.full(count, 3e-4),
+        45e9,
+        6450.0,
+        0.0,
+    )
 
 
 @pytest.fixture(scope="module")
 def joint() -> Joint:
-    return Joint(_tube("OT4", 0.25, 0.2, 0.4, 188), _tube("MT1", 0.18, 0.14, 0.243, 125),
-                 Tendon(3.8e-5, 53.965e9, 0.38868), 42.6e9, 0.2965, np.pi, 1.0063, 1.2e-3)  # fmt: skip
+    return Joint(
+        _tube("OT4", 0.25, 0.2, 0.4, 188),
+        _tube("MT1", 0.18, 0.14, 0.243, 125),
+        Tendon(3.8e-5, 53.965e9, 0.38868),
+        42.6e9,
+        0.2965,
+        np.pi,
+        1.0063,
+        1.2e-3,
+    )
 
 
 @pytest.fixture(scope="module")
@@ -41,10 +58,19 @@ def runs() -> list[History]:
 
 def _middle_of_range(effect: type[Effect]) -> Effect:
     """An effect at a size that shows, from its own starts."""
-    scales = {"": 1.0, "curvature": 40.0, "strain": 0.004, "closure": 0.04, "tension": 1.6, "duration": 15.0,
-              "response": 40.0, "stroke": 4.0}  # fmt: skip
-    return effect(**{p.name: float(np.clip(p.starts[0] * scales[p.relative_to], p.low, p.high))
-                     for p in effect.parameters})  # fmt: skip
+    scales = {
+        "": 1.0,
+        "curvature": 40.0,
+        "strain": 0.004,
+        "closure": 0.04,
+        "tension": 1.6,
+        "duration": 15.0,
+        "response": 40.0,
+        "stroke": 4.0,
+    }
+    return effect(
+        **{p.name: float(np.clip(p.starts[0] * scales[p.relative_to], p.low, p.high)) for p in effect.parameters}
+    )
 
 
 def _responses(joint: Joint, effects: list[Effect], runs: list[History]) -> np.ndarray:
@@ -113,7 +139,9 @@ def test_tables_used_again_change_nothing(joint, runs):
     capstan, play = CATALOGUE["capstan_hysteresis"](0.05), CATALOGUE["backlash"](0.1)
     stretchy = replace(joint, tendon=replace(joint.tendon, youngs_modulus=40e9), deadband=0.9e-3)
     for effects, of in (((capstan,), joint), ((capstan, play), stretchy), ((play,), joint), ((capstan,), stretchy)):
-        for again, fresh in zip(predict(of, effects, runs, LAYOUT, tables), predict(of, effects, runs, LAYOUT), strict=True):
+        for again, fresh in zip(
+            predict(of, effects, runs, LAYOUT, tables), predict(of, effects, runs, LAYOUT), strict=True
+        ):
             np.testing.assert_array_equal(again.response, fresh.response)
             np.testing.assert_array_equal(again.tension, fresh.tension)
 

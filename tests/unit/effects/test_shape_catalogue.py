@@ -117,8 +117,9 @@ def test_a_corrections_table_serves_joints_and_shapes():
     assert {"base_tilt", "backlash"} <= set(correction_parameters())
 
 
-@pytest.mark.parametrize("table", [{"base_tild": {"angle_deg": 1.0}}, {"base_tilt": {"angle": 1.0}},
-                                   {"base_tilt": {"angle_deg": 99.0}}])  # fmt: skip
+@pytest.mark.parametrize(
+    "table", [{"base_tild": {"angle_deg": 1.0}}, {"base_tilt": {"angle": 1.0}}, {"base_tilt": {"angle_deg": 99.0}}]
+)
 def test_a_wrong_correction_is_refused(table):
     with pytest.raises(BadInput):
         build_effects(table)

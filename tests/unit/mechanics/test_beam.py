@@ -112,8 +112,9 @@ def test_compiled_tips_equal_the_scalar_path():
     assert tips.y == pytest.approx(shapes.y[:, -1], abs=1e-12 * 0.1128)
     assert tips.angle == pytest.approx(shapes.angle[:, -1], abs=2e-12)
     for row in (0, 700, 2099):
-        alone = solve_segments(*(np.atleast_2d(c)[min(row, np.atleast_2d(c).shape[0] - 1)] for c in columns),
-                               gravity=(0.0, -GRAVITY))  # fmt: skip
+        alone = solve_segments(
+            *(np.atleast_2d(c)[min(row, np.atleast_2d(c).shape[0] - 1)] for c in columns), gravity=(0.0, -GRAVITY)
+        )
         assert tips.x[row] == pytest.approx(alone.x[0, -1], abs=1e-12 * 0.1128)
 
 

@@ -11,7 +11,9 @@ from coast_cli.mechanics.tube import NotchedTube
 
 
 def tube(name, outer, inner, depth, count):
-    return NotchedTube(name, outer, inner, np.full(count, depth), np.full(count, 3e-4), np.full(count, 3e-4), 45e9, 6450.0)
+    return NotchedTube(
+        name, outer, inner, np.full(count, depth), np.full(count, 3e-4), np.full(count, 3e-4), 45e9, 6450.0
+    )
 
 
 OUTER = tube("OT4", 0.25e-3, 0.2e-3, 0.4e-3, 188)

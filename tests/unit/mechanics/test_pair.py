@@ -32,7 +32,9 @@ def test_it_agrees_with_each_pair_alone(design):
         for column, outer_tube in enumerate(outer):
             alone = pair_figures(outer_tube, middle_tube, design.gravity)
             for name in FIGURES:
-                assert getattr(table, name)[row, column] == pytest.approx(getattr(alone, name), rel=1e-9, abs=1e-13), name
+                assert getattr(table, name)[row, column] == pytest.approx(getattr(alone, name), rel=1e-9, abs=1e-13), (
+                    name
+                )
 
 
 def test_a_coupled_pair_of_equal_tubes_hangs_like_one_of_them(design):

@@ -41,7 +41,10 @@ def test_past_the_bore_only_the_outer_circle_is_left():
 
 def test_the_sector_overstates_the_chord():
     depths = np.array([0.314e-3, 0.35e-3, 0.4e-3])
-    ratio = notched_section(OUTER, INNER, depths).second_moment / notched_section(OUTER, INNER, depths, "chord").second_moment
+    ratio = (
+        notched_section(OUTER, INNER, depths).second_moment
+        / notched_section(OUTER, INNER, depths, "chord").second_moment
+    )
     assert np.all((ratio > 1.05) & (ratio < 2.1))
 
 

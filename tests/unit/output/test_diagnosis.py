@@ -25,9 +25,14 @@ from coast_cli.spec.load import load_config
 GOLDEN = Path(__file__).parents[2] / "golden"
 ROOT = GOLDEN.parents[1]
 BACKLASH = Named(
-    "backlash", "physics", "actuator", "play in the actuator", "x(t) = clip(x(t-), X1(t), X1(t) + width)", 0.97,
+    "backlash",
+    "physics",
+    "actuator",
+    "play in the actuator",
+    "x(t) = clip(x(t-), X1(t), X1(t) + width)",
+    0.97,
     {"width_mm": Value(0.1801, 0.0042, at_bound=False)},
-)  # fmt: skip
+)
 PHYSICS = Diagnosis(
     verdict="physics",
     reason="the named effects explain what the base model leaves over",
@@ -65,13 +70,29 @@ INSUFFICIENT = Diagnosis(
     "bend_deg",
     next_recording="load and release, 200 samples or more",
 )
-UNEXPLAINED = replace(PHYSICS, verdict="unexplained", effects=(), attempts=("backlash", "gravity"), model_effects=(),
-                      reason="0.5 1/m is left that no effect of the catalogue explains")  # fmt: skip
-AMBIGUOUS = replace(PHYSICS, verdict="ambiguous",
-                    alternatives=(("coulomb_friction",), ("capstan_hysteresis", "gravity")),
-                    next_recording="release sweeps from two different strokes, with tension recorded")  # fmt: skip
-AGREES = replace(PHYSICS, verdict="agrees", effects=(), where=(), model_effects=(), notes=(),
-                 reason="the model as configured agrees with the recording within its noise")  # fmt: skip
+UNEXPLAINED = replace(
+    PHYSICS,
+    verdict="unexplained",
+    effects=(),
+    attempts=("backlash", "gravity"),
+    model_effects=(),
+    reason="0.5 1/m is left that no effect of the catalogue explains",
+)
+AMBIGUOUS = replace(
+    PHYSICS,
+    verdict="ambiguous",
+    alternatives=(("coulomb_friction",), ("capstan_hysteresis", "gravity")),
+    next_recording="release sweeps from two different strokes, with tension recorded",
+)
+AGREES = replace(
+    PHYSICS,
+    verdict="agrees",
+    effects=(),
+    where=(),
+    model_effects=(),
+    notes=(),
+    reason="the model as configured agrees with the recording within its noise",
+)
 BY_HAND = {
     "physics": PHYSICS,
     "insufficient": INSUFFICIENT,
@@ -116,16 +137,27 @@ def test_json_is_the_contract_and_never_holds_nan(answer_of):
     assert document["schema"] == "coast.diagnosis/1"
     assert document["noise"] == {"unit": "curvature_per_m", "value": None}
     assert document["where"][0] == {
-        "axis": "direction", "value": "release", "low": None, "high": None, "unit": None, "share": 0.998,
+        "axis": "direction",
+        "value": "release",
+        "low": None,
+        "high": None,
+        "unit": None,
+        "share": 0.998,
         "p_value": 1e-20,
-    }  # fmt: skip
+    }
     assert document["where"][2]["unit"] == "mm/s"
     assert document["effects"][0]["parameters"]["width_mm"] == {"value": 0.1801, "std": 0.0042, "at_bound": False}
     assert document["parameters"]["deadband_mm"] == {"value": 0.0, "std": None, "at_bound": True, "configured": 1.2}
     assert document["fit"]["tip_mm"] == {"refitted": None, "with_effects": 0.24}
     assert set(document["fit"]) == {
-        "unit", "held_out_runs", "rule", "configured", "refitted", "with_effects", "tip_mm",
-    }  # fmt: skip
+        "unit",
+        "held_out_runs",
+        "rule",
+        "configured",
+        "refitted",
+        "with_effects",
+        "tip_mm",
+    }
     assert document["provenance"]["recordings"] == [{"file": "recording.csv", "sha256": "ab" * 32}]
 
 

@@ -64,13 +64,37 @@ def test_a_table_leaves_out_columns_without_a_value_and_markup_is_text():
 
 
 CHECKS = [
-    {"config": "a&b.toml", "pair": "O/<M>", "check": "max_stroke_mm", "bound": "max", "value": 4.79, "limit": 6.0,
-     "passed": True, "line": 84},
-    {"config": "a&b.toml", "pair": "O/<M>", "check": 'rigidity_"ratio"', "bound": "min", "value": 1.0, "limit": 2.0,
-     "passed": False, "line": 83},
-    {"config": "c,d:e%.toml", "pair": "A/B", "check": "max_stroke_mm", "bound": "max", "value": 9.0, "limit": 6.0,
-     "passed": False, "line": 7},
-]  # fmt: skip
+    {
+        "config": "a&b.toml",
+        "pair": "O/<M>",
+        "check": "max_stroke_mm",
+        "bound": "max",
+        "value": 4.79,
+        "limit": 6.0,
+        "passed": True,
+        "line": 84,
+    },
+    {
+        "config": "a&b.toml",
+        "pair": "O/<M>",
+        "check": 'rigidity_"ratio"',
+        "bound": "min",
+        "value": 1.0,
+        "limit": 2.0,
+        "passed": False,
+        "line": 83,
+    },
+    {
+        "config": "c,d:e%.toml",
+        "pair": "A/B",
+        "check": "max_stroke_mm",
+        "bound": "max",
+        "value": 9.0,
+        "limit": 6.0,
+        "passed": False,
+        "line": 7,
+    },
+]
 
 
 @pytest.mark.parametrize("rows", [[], CHECKS[:1], CHECKS])

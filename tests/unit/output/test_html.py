@@ -47,7 +47,9 @@ def test_a_group_has_a_heading_over_all_columns():
 
 
 def test_a_footer_names_what_there_is():
-    html = footer({"versions": {"coast": "1"}, "options": {"hold_out": [], "pair": "A/B", "runs": ["x", "y"]}, "seed": 3})
+    html = footer(
+        {"versions": {"coast": "1"}, "options": {"hold_out": [], "pair": "A/B", "runs": ["x", "y"]}, "seed": 3}
+    )
     assert html.count("<code>") == 4
     assert "hold_out" not in html
     assert "runs x, y" in html

@@ -48,8 +48,11 @@ def test_a_source_is_the_comment_beside_a_key_or_right_above_it(small):
 def test_what_the_file_leaves_out_is_a_default(small):
     left_out = {name for name, one in small.items() if not one.given}
     assert left_out == {
-        "environment.gravity_m_per_s2", "middle.section", "middle.end_effect", "middle.natural_curvature_per_m",
-    }  # fmt: skip
+        "environment.gravity_m_per_s2",
+        "middle.section",
+        "middle.end_effect",
+        "middle.natural_curvature_per_m",
+    }
     assert small["middle.natural_curvature_per_m"].value == 0.0
     assert small["middle.section"].value == "sector"
 

@@ -289,9 +289,13 @@ BAD = {
     "two points": ("tube,x_mm,y_mm\nOT1,0,0\nOT1,1,0\n", 2, None, "2 points"),
     "same point": ("tube,x_mm,y_mm\nOT1,0,0\nOT1,0,0\nOT1,1,0\n", 3, None, "coincide"),
     "wrong side": ("tube,x_mm,y_mm,natural\nOT1,0,0,left\nOT1,1,0,left\nOT1,2,0,left\n", 2, 4, "up, down"),
-    "too many notches": ("tension_n," + ",".join(f"notch_{i}_deg" for i in range(1, 127)) + "\n"
-                         + 2 * (",".join("1" * 127) + "\n"), 2, 127, "125"),
-}  # fmt: skip
+    "too many notches": (
+        "tension_n," + ",".join(f"notch_{i}_deg" for i in range(1, 127)) + "\n" + 2 * (",".join("1" * 127) + "\n"),
+        2,
+        127,
+        "125",
+    ),
+}
 
 
 @pytest.mark.parametrize("case", BAD)
@@ -371,8 +375,14 @@ def test_memory_stays_near_the_size_of_the_file(written):
     [
         ("stroke_mm,bend_deg\n1,2\n3,1e16\n", "too large for any recording"),
         ("stroke_mm,bend_deg,note\n1,2,a\n3,4," + "b" * 20_000 + "\n", "a cell is too long; found '20000 characters'"),
-        ('stroke_mm,bend_deg,note\n1,2,"a"\n3,4,' + "b" * 20_000 + "\n", "a cell is too long; found '20000 characters'"),
-        ('stroke_mm,bend_deg,note\n1,2,"a\n3,4,' + "b" * 200_000 + "\n", "not a CSV file: field larger than field limit"),
+        (
+            'stroke_mm,bend_deg,note\n1,2,"a"\n3,4,' + "b" * 20_000 + "\n",
+            "a cell is too long; found '20000 characters'",
+        ),
+        (
+            'stroke_mm,bend_deg,note\n1,2,"a\n3,4,' + "b" * 200_000 + "\n",
+            "not a CSV file: field larger than field limit",
+        ),
         ("stroke_mm,notch_" + "1" * 5000 + "_deg\n1,2\n3,4\n", "no response column"),
     ],
 )

@@ -60,8 +60,13 @@ def test_one_point_a_pitch_lies_on_the_rings():
         ((np.repeat(X, 2), np.repeat(Y, 2)), "stand twice"),
         ((np.zeros(20), np.zeros(20)), "stand twice"),
         ((X[[0, -1]], Y[[0, -1]]), "too few points"),
-        ((X[[*range(30), 50, *range(31, 50), 30, *range(51, 80)]], Y[[*range(30), 50, *range(31, 50), 30, *range(51, 80)]]),
-         "out of order"),
+        (
+            (
+                X[[*range(30), 50, *range(31, 50), 30, *range(51, 80)]],
+                Y[[*range(30), 50, *range(31, 50), 30, *range(51, 80)]],
+            ),
+            "out of order",
+        ),
         ((X[[*range(30), 31, 30, *range(32, 80)]], Y[[*range(30), 31, 30, *range(32, 80)]]), "out of order"),
     ],
 )
