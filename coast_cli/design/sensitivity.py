@@ -15,7 +15,7 @@ import numpy as np
 
 from coast_cli.errors import NotConverged
 from coast_cli.mechanics.beam import BeamSolution, solve_beam
-from coast_cli.mechanics.beam_tangent import complex_shape
+from coast_cli.mechanics.beam.tangent import complex_shape
 from coast_cli.mechanics.joint import Joint, stroke
 from coast_cli.mechanics.pair import integrated
 from coast_cli.mechanics.section import FloatArray

@@ -48,7 +48,7 @@ def _shape(tube: NotchedTube, gravity: float, method: str, points: int | None) -
     ends = np.concatenate(([0.0], np.cumsum(pieces.length)))
     asked = ends if points is None else np.linspace(0.0, ends[-1], points)
     if method == "projected":
-        from coast_cli.mechanics.beam_projected import solve_beam_projected
+        from coast_cli.mechanics.beam.projected import solve_beam_projected
 
         return _interpolated(_converged(solve_beam_projected(tube, gravity), tube), asked)
     # The asked points become ends of pieces, so that nothing is interpolated.

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from coast_cli.mechanics.beam import solve_beam, solve_segments, solve_tips
-from coast_cli.mechanics.beam_step import segment_displacement, segment_tangent, segment_turn
+from coast_cli.mechanics.beam.step import segment_displacement, segment_tangent, segment_turn
 from coast_cli.mechanics.section import full_section, notched_section
 from coast_cli.mechanics.tube import NotchedTube
 

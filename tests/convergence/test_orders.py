@@ -5,8 +5,8 @@ import pytest
 
 from coast_cli.errors import NotConverged
 from coast_cli.mechanics.beam import solve_beam
-from coast_cli.mechanics.beam_problem import BeamProblem, Trace, march_shape, march_turn
-from coast_cli.mechanics.beam_projected import solve_beam_projected
+from coast_cli.mechanics.beam.problem import BeamProblem, Trace, march_shape, march_turn
+from coast_cli.mechanics.beam.projected import solve_beam_projected
 from coast_cli.mechanics.tube import NotchedTube
 
 

@@ -29,7 +29,7 @@ with atheris.instrument_imports(include=["coast_cli", "tomllib"]):
     import coast_cli
 
     for _module in pkgutil.walk_packages(coast_cli.__path__, "coast_cli."):
-        if not _module.name.endswith(("__main__", "beam_compiled")):
+        if not _module.name.endswith(("__main__", "beam.compiled")):
             import_module(_module.name)
 
 from tests.fuzz.targets import TARGETS

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import Phase, example, given, settings
 from hypothesis import strategies as st
 
-from coast_cli.mechanics import beam as beam_module
+from coast_cli.mechanics.beam import equilibrium as beam_module
 from coast_cli.mechanics.beam import solve_beam, solve_beams, solve_curvatures, solve_segments, solve_tips
 from coast_cli.mechanics.section import full_section, notched_section
 from coast_cli.mechanics.tube import NotchedTube

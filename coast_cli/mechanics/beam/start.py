@@ -13,8 +13,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from coast_cli.mechanics.beam_continuation import follow
-from coast_cli.mechanics.beam_problem import BeamProblem, Trace, clamp_error, march_shape, rotation
+from coast_cli.mechanics.beam.continuation import follow
+from coast_cli.mechanics.beam.problem import BeamProblem, Trace, clamp_error, march_shape, rotation
 from coast_cli.mechanics.roots import increasing_root
 from coast_cli.mechanics.section import FloatArray
 

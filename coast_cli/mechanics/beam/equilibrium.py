@@ -13,8 +13,8 @@ from importlib.util import find_spec
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from coast_cli.mechanics.beam_problem import BeamProblem
-from coast_cli.mechanics.beam_solve import solve_plain_turns, solve_problem
+from coast_cli.mechanics.beam.problem import BeamProblem
+from coast_cli.mechanics.beam.solve import solve_plain_turns, solve_problem
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.mechanics.tube import NotchedTube
 from coast_cli.mechanics.verdict import Verdict
@@ -234,7 +234,7 @@ def solve_tips(
     loads = loads.broadcast(count)
     tips, solved = np.zeros((4, count)), np.zeros(count, dtype=bool)
     if count >= _WORTH_COMPILING and find_spec("numba") is not None:
-        from coast_cli.mechanics.beam_compiled import solve_share
+        from coast_cli.mechanics.beam.compiled import solve_share
 
         tips, solved = solve_share(pieces, loads.columns, threads=threads)
         tips[1], tips[2] = loads.unturned(tips[1], tips[2])

@@ -1,4 +1,4 @@
-"""Many tips at once, compiled: the plain-Python step of ``beam_step`` made into vector instructions by numba.
+"""Many tips at once, compiled: the plain-Python step of ``step`` made into vector instructions by numba.
 
 The optional extra ``[fast]``; import this module only where numba is installed. Sixteen beams go side by side through
 every march, which fills the vector registers; loops go upward, or the compiler's overlap checks spoil that. Beams out
@@ -16,9 +16,9 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from coast_cli.mechanics import beam_step
-from coast_cli.mechanics.beam_solve import FINE_TURN, LAST_CHANGE, ROUNDING, TANGENT_ERROR
-from coast_cli.mechanics.beam_start import COARSE_CELLS, COARSE_TURN, LEAST_SLOPE, SHARES, SMOOTH, SURELY_ONE, SURVEY
+from coast_cli.mechanics.beam import step as beam_step
+from coast_cli.mechanics.beam.solve import FINE_TURN, LAST_CHANGE, ROUNDING, TANGENT_ERROR
+from coast_cli.mechanics.beam.start import COARSE_CELLS, COARSE_TURN, LEAST_SLOPE, SHARES, SMOOTH, SURELY_ONE, SURVEY
 from coast_cli.mechanics.section import FloatArray
 
 LANES = 16
@@ -225,7 +225,7 @@ def _fine_enough(pieces, loads, state, largest, plain):  # type: ignore[no-untyp
 
 @numba.njit(**_options)
 def _survey(cells, loads, unloaded, number, state, plain):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
-    """Keep a beam plain where the clamp's error surely crosses zero once, as in ``beam_start``."""
+    """Keep a beam plain where the clamp's error surely crosses zero once, as in ``start``."""
     error, slope = np.zeros(LANES), np.zeros(LANES)
     crossings = np.zeros(LANES)
     for k in range(SURVEY.size):

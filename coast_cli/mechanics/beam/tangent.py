@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from coast_cli.mechanics.beam import BeamSolution
-from coast_cli.mechanics.beam_problem import BeamProblem, march
-from coast_cli.mechanics.beam_solve import FINE_TURN
-from coast_cli.mechanics.beam_step import segment_displacement, segment_turn
+from coast_cli.mechanics.beam.equilibrium import BeamSolution
+from coast_cli.mechanics.beam.problem import BeamProblem, march
+from coast_cli.mechanics.beam.solve import FINE_TURN
+from coast_cli.mechanics.beam.step import segment_displacement, segment_turn
 from coast_cli.mechanics.tube import NotchedTube
 
 _STEPS = 3

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from coast_cli.mechanics.beam_continuation import follow
-from coast_cli.mechanics.beam_problem import BeamProblem, Trace, march_shape, march_turn, march_turns, rotation
-from coast_cli.mechanics.beam_start import Start, find_start
+from coast_cli.mechanics.beam.continuation import follow
+from coast_cli.mechanics.beam.problem import BeamProblem, Trace, march_shape, march_turn, march_turns, rotation
+from coast_cli.mechanics.beam.start import Start, find_start
 from coast_cli.mechanics.section import FloatArray
 
 FINE_TURN = 0.04  # rad a step at most: a beam then errs by 1e-12 of its length

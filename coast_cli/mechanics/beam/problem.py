@@ -14,7 +14,7 @@ from math import cos, sin
 import numpy as np
 from numpy.typing import NDArray
 
-from coast_cli.mechanics.beam_step import Number, segment_displacement, segment_tangent, segment_turn
+from coast_cli.mechanics.beam.step import Number, segment_displacement, segment_tangent, segment_turn
 from coast_cli.mechanics.section import FloatArray
 
 Piece = tuple[Number, Number, Number, Number]

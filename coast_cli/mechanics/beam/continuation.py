@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from coast_cli.mechanics.beam_problem import BeamProblem, clamp_error
+from coast_cli.mechanics.beam.problem import BeamProblem, clamp_error
 from coast_cli.mechanics.section import FloatArray
 
 _COMPLEX_STEP = 1e-30

@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 
 from coast_cli.errors import NotConverged
-from coast_cli.mechanics.beam import BeamSolution
+from coast_cli.mechanics.beam.equilibrium import BeamSolution
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.mechanics.tube import NotchedTube
 from coast_cli.mechanics.verdict import Verdict
