@@ -37,6 +37,7 @@ COMMANDS = {
     "init": "coast_cli.cli.init:init",
     "schema": "coast_cli.cli.schema:schema",
     "explain": "coast_cli.cli.explain:explain",
+    "guide": "coast_cli.cli.guide:guide",
 }
 
 

@@ -1,4 +1,4 @@
-"""``python -m tests.benchmarks [plot.png]``: the table "Accuracy and speed" of the README, measured here and now."""
+"""``python -m tests.benchmarks [plot.png]``: the table of `coast guide accuracy`, measured here and now."""
 
 from tests.benchmarks.beams import main
 

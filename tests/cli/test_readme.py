@@ -1,7 +1,7 @@
-"""Both pages show real output: each ``console`` block is run and compared; run as a script, it writes them anew.
+"""Every page shows real output: each ``console`` block is run and compared; run as a script, it writes them anew.
 
-The blocks of the README stand alone, those of the walk through the examples follow one another. The README's Python runs,
-and it gives the CI its test command, word for word.
+The blocks of the README and of the guide stand alone, those of the walk through the examples follow one another. The
+guide's Python runs, and the README gives the CI its test command, word for word.
 """
 
 import doctest
@@ -18,9 +18,12 @@ from tempfile import TemporaryDirectory
 import pytest
 
 from coast_cli.__main__ import main
+from coast_cli.cli.app import COMMANDS
+from coast_cli.cli.guide import PAGES
 
 ROOT = Path(__file__).parents[2]
 README, WALK = ROOT / "README.md", ROOT / "examples" / "README.md"
+GUIDE = sorted(PAGES.glob("*.md"))
 BLOCK = re.compile(
     r"(?<=^```console\n)\$ (?P<program>coast|python) (?P<words>.*)\n(?P<shown>(?:.*\n)*?)(?=^```$)", re.MULTILINE
 )
@@ -57,10 +60,21 @@ def top(tmp_path, monkeypatch):
     enter(tmp_path)
 
 
-@pytest.mark.parametrize(("program", "words", "shown"), blocks(README), ids=[words for _, words, _ in blocks(README)])
+def shown_by_command():
+    """Each command that the README or the guide shows, with what every page shows of it."""
+    found = {}
+    for page in (README, *GUIDE):
+        for program, words, shown in blocks(page):
+            found.setdefault((program, words), []).append((page.name, shown))
+    return found
+
+
+@pytest.mark.parametrize(("command", "pages"), shown_by_command().items(), ids=[key[1] for key in shown_by_command()])
 @pytest.mark.usefixtures("top")
-def test_the_output_shown_is_what_the_command_prints(program, words, shown):
-    assert printed(program, words) == shown
+def test_the_output_shown_is_what_the_command_prints(command, pages):
+    text = printed(*command)
+    for _, shown in pages:
+        assert text == shown
 
 
 @pytest.mark.usefixtures("top")
@@ -73,15 +87,16 @@ def test_the_walk_goes_from_step_to_step():
 
 
 @pytest.mark.usefixtures("top")
-def test_the_python_of_the_readme_does_what_it_shows():
-    found = re.findall(r"^```pycon\n(.*?)^```$", README.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
-    examples = doctest.DocTestParser().get_doctest("".join(found), {}, "README", str(README), 0)
+def test_the_python_of_the_guide_does_what_it_shows():
+    page = PAGES / "python.md"
+    found = re.findall(r"^```pycon\n(.*?)^```$", page.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+    examples = doctest.DocTestParser().get_doctest("".join(found), {}, page.stem, str(page), 0)
     assert len(examples.examples) >= 5
     assert doctest.DocTestRunner(optionflags=doctest.ELLIPSIS).run(examples).failed == 0
 
 
 def test_links_of_the_pages_lead_somewhere():
-    for page in (README, WALK, ROOT / ".github" / "CONTRIBUTING.md"):
+    for page in (README, WALK, *GUIDE, *(ROOT / ".github").glob("*.md")):
         for link in re.findall(r"\]\(([^)#:]+)\)", page.read_text(encoding="utf-8")):
             assert (page.parent / link).exists(), (page.name, link)
 
@@ -100,7 +115,27 @@ def test_the_figure_of_the_layers_is_what_import_linter_keeps():
 
 
 def test_there_are_outputs_to_compare():
-    assert len(blocks(README)) >= 4
+    assert len(blocks(README)) == 2
+    assert len(shown_by_command()) >= 10
+
+
+def test_the_readme_is_short_and_leads_to_everything():
+    text = README.read_text(encoding="utf-8")
+    assert len(text.encode()) <= 12 * 1024
+    listed = re.findall(r"`coast ([\w-]+)`", text[text.index("## Commands") : text.index("More pages")])
+    assert sorted(listed) == sorted(COMMANDS)
+    assert {f"coast_cli/guide/{page.name}" for page in GUIDE} <= set(re.findall(r"\]\(([^)]+)\)", text))
+
+
+@pytest.mark.parametrize(("page", "heading"), [("trust", "| figure |"), ("formats", "| code |")])
+def test_the_tables_of_the_readme_are_those_of_the_guide(page, heading):
+    def rows(path):
+        text = path.read_text(encoding="utf-8")
+        return text[text.index(heading) :].partition("\n\n")[0].splitlines()
+
+    shown = rows(README)
+    assert len(shown) > 5
+    assert [row for row in rows(PAGES / f"{page}.md") if row in shown] == shown
 
 
 def test_the_ci_calls_the_test_command_of_the_readme():
@@ -111,7 +146,7 @@ def test_the_ci_calls_the_test_command_of_the_readme():
 
 
 if __name__ == "__main__":
-    for place in (README, WALK):
+    for place in (README, WALK, *GUIDE):
         with TemporaryDirectory() as scratch:
             enter(Path(scratch))
             text = BLOCK.sub(

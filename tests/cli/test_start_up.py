@@ -30,6 +30,14 @@ def test_help_loads_nothing_heavy(words):
     assert not HEAVY & set(modules)
 
 
+@pytest.mark.parametrize("words", [("guide",), ("guide", "path")])
+def test_the_guide_loads_nothing_heavy_and_no_other_command(words):
+    code, modules, own = loaded(*words)
+    assert code == 0
+    assert not (HEAVY - {"pydantic"}) & set(modules)  # typer itself loads pydantic to run a command
+    assert not {"coast_cli.cli.options", "coast_cli.spec", "coast_cli.effects"} & set(own)
+
+
 def test_ranking_loads_neither_scipy_nor_plots_nor_other_commands(reference):
     code, modules, own = loaded("rank-pairs", reference)
     assert code == 0

@@ -1,6 +1,6 @@
 """The pilot: a few concealed recordings of every level, answered by the command itself and held to floors.
 
-The floors lie well below what the full run measures (README, "How it is proved"), as so few cases scatter: they catch a
+The floors lie well below what the full run measures (`coast guide trust`), as so few cases scatter: they catch a
 diagnosis that has broken, not one that has become a little worse. These seeds were looked at while it was built.
 """
 
