@@ -13,7 +13,7 @@ from coast_cli.effects.chord_section import ChordSection
 from coast_cli.effects.corrections import correction_parameters, own_values
 from coast_cli.effects.coulomb_friction import CoulombFriction
 from coast_cli.effects.distributed_notch_friction import DistributedNotchFriction
-from coast_cli.effects.effect import Effect
+from coast_cli.effects.effect import STAGES, Effect
 from coast_cli.effects.gravity import Gravity
 from coast_cli.effects.leadscrew_pitch_error import LeadscrewPitchError
 from coast_cli.effects.notch_closure import NotchClosure
@@ -59,9 +59,12 @@ CATALOGUE: dict[str, type[Effect]] = {
 
 
 def in_order(effects: Iterable[Effect]) -> tuple[Effect, ...]:
-    """Return effects in the order in which they act, whatever order they are listed in."""
+    """Return effects in the order in which they act, whatever order they are listed in.
+
+    Stages come first to last, inside a stage the catalogue's order counts, and laws that it does not hold act last there.
+    """
     rank = {identifier: place for place, identifier in enumerate(CATALOGUE)}
-    return tuple(sorted(effects, key=lambda effect: rank[effect.id]))
+    return tuple(sorted(effects, key=lambda e: (STAGES.index(e.stage), rank.get(e.id, len(rank)), e.id)))
 
 
 def build_effects(corrections: Mapping[str, Mapping[str, float]]) -> tuple[Effect, ...]:

@@ -59,7 +59,8 @@ class History:
     """What the drive did in one run, row by row; SI, shape (n,).
 
     ``stroke`` is None for a tension-driven run; where both are given the stroke drives. ``time`` is None where not
-    recorded. ``earlier_tension`` is the largest tension (N) that earlier runs of the recording reached.
+    recorded. ``earlier_tension`` is the largest tension (N) that earlier runs of the recording reached; ``run`` the run's
+    number in the recording, from 0.
     """
 
     time: FloatArray | None
@@ -67,12 +68,26 @@ class History:
     tension: FloatArray | None
     bending_length: FloatArray
     earlier_tension: float = 0.0
+    run: int = 0
 
     @property
     def drive(self) -> FloatArray:
         """Stroke where there is one, else tension."""
         found = self.tension if self.stroke is None else self.stroke
         return np.zeros_like(self.bending_length) if found is None else found
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """What a run's own tension (N, at the actuator) and mean curvature (1/m) were, row by row, each shape (n,).
+
+    ``tension_per_curvature`` is the actuator's tension that one 1/m of curvature costs, N m, shape (n,).
+    """
+
+    history: History
+    tension: FloatArray
+    curvature: FloatArray
+    tension_per_curvature: FloatArray
 
 
 @dataclass(frozen=True)
@@ -131,6 +146,32 @@ class Effect:
     def slack(self, tension: FloatArray, history: History, joint: Joint) -> FloatArray:
         """Return tendon length (m) that the history of tension (N) has added by each row."""
         return np.zeros_like(tension)
+
+    def drag(self, motion: Motion) -> FloatArray:
+        """Return the tension (N, at the actuator) that the motion of the segment takes, row by row."""
+        return np.zeros_like(motion.tension)
+
+    def weigh(self, tension: FloatArray, history: History) -> FloatArray:
+        """Change the tension (N) on its way through the load cell."""
+        return tension
+
+    @property
+    def shapes_branches(self) -> bool:
+        """Whether the effect is part of the tabulated load and release branches."""
+        return self._overrides("friction", "notch_friction", "moment", "lumps")
+
+    @property
+    def slackens(self) -> bool:
+        """Whether the effect adds tendon length by the history of tension."""
+        return self._overrides("slack")
+
+    @property
+    def drags(self) -> bool:
+        """Whether the effect takes tension row by row."""
+        return self._overrides("drag")
+
+    def _overrides(self, *stages: str) -> bool:
+        return any(getattr(type(self), stage) is not getattr(Effect, stage) for stage in stages)
 
     def friction(self, direction: int, joint: Joint, bending_length: float) -> float:
         """Return the exponent added to ln(actuator tension / tension at the segment), load (+1) or release (-1)."""

@@ -15,7 +15,7 @@ from typing import Literal
 import numpy as np
 
 from coast_cli.effects.catalogue import in_order
-from coast_cli.effects.effect import Effect, History
+from coast_cli.effects.effect import Effect, History, Motion
 from coast_cli.effects.memory import follow
 from coast_cli.effects.stations import Stations, branch, stations_for
 from coast_cli.mechanics.joint import Joint
@@ -89,7 +89,6 @@ class Tables:
     """Branches that were tabulated before; a fit moves many parameters that they do not depend on."""
 
     _MOST = 600
-    _SHAPING = ("friction", "notch_friction", "moment", "lumps")
 
     def __init__(self) -> None:
         self._found: dict[tuple[object, ...], _Branches] = {}
@@ -120,11 +119,7 @@ class Tables:
         self, joint: Joint, effects: Sequence[Effect], length: float, layout: Layout, drifted: tuple[float, float]
     ) -> _Branches:
         """Return the branches of a joint at one bending length (m), tabulated now or before."""
-        shaping = tuple(
-            effect
-            for effect in effects
-            if any(getattr(type(effect), n) is not getattr(Effect, n) for n in self._SHAPING)
-        )
+        shaping = tuple(effect for effect in effects if effect.shapes_branches)
         radius = None if joint.tendon is None else joint.tendon.radius
         key = (
             joint.youngs_modulus,
@@ -176,18 +171,15 @@ def _predict_run(
     for effect in effects:
         history = effect.drive(history)
     low, high, stations = _bounds(joint, effects, history, history.drive, layout, tables)
-    if history.stroke is None:
-        curvature = _state(low, high, stations, effects)
-        tension = history.drive
-    else:
-        curvature, tension = _with_slack(joint, effects, history, layout, tables, low, high, stations)
+    curvature, tension = _with_memory(joint, effects, history, layout, tables, low, high, stations)
     response = _observe(curvature, stations, history.bending_length, layout)
     for effect in effects:
         response = effect.sense(response, commanded)
+        tension = effect.weigh(tension, commanded)
     return Prediction(response, tension)
 
 
-def _with_slack(
+def _with_memory(
     joint: Joint,
     effects: Sequence[Effect],
     history: History,
@@ -197,22 +189,38 @@ def _with_slack(
     high: FloatArray | None,
     stations: Stations,
 ) -> tuple[FloatArray, FloatArray]:
-    """Return curvature and tension of a stroke-driven run; tendon memory takes from the stroke until both agree."""
-    stroke = history.drive
-    with_memory = [effect for effect in effects if type(effect).slack is not Effect.slack]
-    slack = np.zeros_like(stroke)
-    for _ in range(_SLACK_SWEEPS):
+    """Return curvature and tension of a run; what the tendon and the segment remember takes from the drive until all agree."""
+    driven = history.stroke is not None
+    slackening = [effect for effect in effects if effect.slackens] if driven else []
+    dragging = [effect for effect in effects if effect.drags]
+    stiffness = np.inf if joint.tendon is None else joint.tendon.stiffness
+    slack, taken = np.zeros_like(history.drive), np.zeros_like(history.drive)
+    for sweep in range(_SLACK_SWEEPS):
         curvature = _state(low, high, stations, effects)
-        tension = _tension(joint, effects, stroke - slack, curvature, stations, history.bending_length)
-        if not with_memory:
+        if driven:
+            tension = _tension(joint, effects, history.drive - slack, curvature, stations, history.bending_length)
+        else:
+            tension = history.drive
+        if not slackening and not dragging:
             break
-        wanted = sum((effect.slack(tension, history, joint) for effect in with_memory), np.zeros_like(stroke))
-        change = float(np.max(np.abs(wanted - slack), initial=0.0))
-        slack = wanted
-        if change < _SLACK_TOLERANCE:
+        slack = sum((effect.slack(tension, history, joint) for effect in slackening), np.zeros_like(tension))
+        motion = Motion(history, tension, curvature @ stations.share, _tension_per_curvature(joint, history, stations))
+        drag = sum((effect.drag(motion) for effect in dragging), np.zeros_like(tension))
+        wanted = slack + drag / stiffness if driven else drag
+        step = wanted - taken
+        taken = taken + (step if sweep < _SLACK_SWEEPS // 3 else 0.5 * step)
+        if float(np.max(np.abs(step), initial=0.0)) < _SLACK_TOLERANCE:
             break
-        low, high, stations = _bounds(joint, effects, history, stroke - slack, layout, tables)
+        low, high, stations = _bounds(joint, effects, history, history.drive - taken, layout, tables)
     return curvature, tension
+
+
+def _tension_per_curvature(joint: Joint, history: History, stations: Stations) -> FloatArray:
+    """Return the tension at the actuator (N) that one 1/m of curvature costs at each row, N m, shape (n,)."""
+    gain = np.exp(
+        joint.pulley_friction * joint.wrap_angle + history.bending_length / joint.pitch * np.log(joint.notch_friction)
+    )
+    return np.asarray(gain * float(np.mean(stations.segment.rigidity)) / float(np.mean(stations.lever_arm)))
 
 
 def _state(low: FloatArray, high: FloatArray | None, stations: Stations, effects: Sequence[Effect]) -> FloatArray:

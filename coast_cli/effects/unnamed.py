@@ -1,0 +1,386 @@
+"""A law without a name: where it enters, on what it depends, how it remembers, and its form.
+
+Every effect of the catalogue is a point of this grammar, so a law of it stands in the contest beside the names and says,
+where none of them is right, what the recording shows: g(y), with y made of one variable by one kind of memory, entering at
+one stage. The form is a short Legendre series over the range that was seen; outside it the law stays as at the range's end.
+Its amplitudes are in the stage's unit (``UNITS``).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Literal, Self, get_args
+
+import numpy as np
+
+from coast_cli.effects.effect import Effect, History, Motion, Parameter, Segment
+from coast_cli.effects.memory import follow, relax
+from coast_cli.mechanics.joint import Joint
+from coast_cli.mechanics.section import FloatArray
+from coast_cli.units import MILLIMETRE
+
+Place = Literal["drive", "tendon", "transmission", "structure", "sensor", "load_cell"]
+Variable = Literal["stroke", "tension", "curvature", "bending_length", "position", "time", "rate", "path", "run"]
+Memory = Literal["none", "friction", "relaxation", "maximum", "path", "step", "period"]
+
+# What a law adds, by stage, and the unit of its amplitude.
+ADDS: Mapping[Place, str] = {
+    "drive": "stroke",
+    "tendon": "tendon length",
+    "transmission": "ln of the tension ratio",
+    "structure": "curvature that the bending moment stands for",
+    "sensor": "response",
+    "load_cell": "tension reading",
+}
+UNITS: Mapping[Place, str] = {
+    "drive": "mm",
+    "tendon": "mm",
+    "transmission": "1",
+    "structure": "per_m",
+    "sensor": "si",
+    "load_cell": "n",
+}
+COMPONENTS: Mapping[Place, str] = {
+    "drive": "actuator",
+    "tendon": "tendon",
+    "transmission": "pulleys, notches",
+    "structure": "tubes",
+    "sensor": "camera",
+    "load_cell": "load cell",
+}
+_LARGEST = 1e6
+_SIGNED_MEMORIES = ("relaxation",)
+
+
+@dataclass(frozen=True)
+class UnnamedLaw(Effect):
+    """One law of the grammar, with its fitted amplitudes.
+
+    Attributes:
+        number: of the law in its model, from 1. place: stage at which it enters. variable, memory: what it depends on.
+        setting: of the memory: time constant (s), moment (s), or period (in the variable's SI unit); 0 where none.
+        low, high: range of the remembered variable that was seen, SI. weights: amplitudes, in the stage's unit.
+        limit: largest amplitude that a fit may give.
+    """
+
+    place: Place
+    variable: Variable
+    memory: Memory
+    setting: float
+    low: float
+    high: float
+    weights: tuple[float, ...]
+    limit: float = _LARGEST
+    number: int = 1
+
+    @property
+    def id(self) -> str:  # type: ignore[override]
+        """``unnamed_1`` or ``unnamed_2``."""
+        return f"unnamed_{self.number}"
+
+    @property
+    def title(self) -> str:  # type: ignore[override]
+        """What it adds, in short."""
+        return f"law without a name: {ADDS[self.place]} by {self.variable.replace('_', ' ')}"
+
+    @property
+    def component(self) -> str:  # type: ignore[override]
+        """The component that stands at its stage."""
+        return COMPONENTS[self.place]
+
+    @property
+    def kind(self) -> Literal["physics", "sensor"]:  # type: ignore[override]
+        """Whether it belongs to the robot or to what looks at it."""
+        return "sensor" if self.place in ("sensor", "load_cell") else "physics"
+
+    @property
+    def stage(self) -> Literal["drive", "tendon", "transmission", "structure", "sensor"]:  # type: ignore[override]
+        """The stage in the order of action; a load cell reads last, as a camera does."""
+        return "sensor" if self.place == "load_cell" else self.place
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:  # type: ignore[override]
+        """Amplitudes, and the setting of a memory that has one."""
+        dissipates = self.memory == "friction"
+        low = 0.0 if dissipates and len(self.weights) == 1 else -self.limit
+        source = "as large as the misfit that it must explain"
+        found = [
+            Parameter(f"weight_{k}", 0.0, low, self.limit, (value or 0.1 * self.limit,), source)
+            for k, value in enumerate(self.weights)
+        ]
+        if self.setting > 0.0 and self.memory != "step":
+            around = (0.2 * self.setting, 5.0 * self.setting) if self.memory == "relaxation" else (0.9, 1.1)
+            if self.memory == "period":
+                around = (0.95 * self.setting, 1.05 * self.setting)
+            found.append(Parameter("setting", self.setting, *around, (self.setting,), "around its start", role="shape"))
+        return tuple(found)
+
+    equation = "g(y): a short Legendre series in the remembered variable y"
+    source = "system identification with a grammar of laws: Brunton, Proctor and Kutz, PNAS 113 (2016) 3932"
+    decided_by = "the same sweep at another rate, another bending length and another stroke, with tension recorded"
+
+    @classmethod
+    def null(cls) -> Self:
+        """Return a law that adds nothing."""
+        return cls("drive", "stroke", "none", 0.0, 0.0, 1.0, (0.0,))
+
+    def values(self) -> tuple[float, ...]:
+        """Return amplitudes and setting, in declared order."""
+        return (*self.weights, self.setting) if len(self.parameters) > len(self.weights) else self.weights
+
+    def with_values(self, values: FloatArray) -> Self:
+        """Return the law with amplitudes, and the setting where it is fitted, replaced."""
+        found = tuple(float(value) for value in values)
+        setting = found[len(self.weights)] if len(found) > len(self.weights) else self.setting
+        return replace(self, weights=found[: len(self.weights)], setting=setting)
+
+    def table(self) -> dict[str, Any]:
+        """Return the law as a table of a model file."""
+        return {
+            "stage": self.place,
+            "variable": self.variable,
+            "memory": self.memory,
+            "setting": self.setting,
+            "low": self.low,
+            "high": self.high,
+            "weights": list(self.weights),
+        }
+
+    @classmethod
+    def from_table(cls, table: Mapping[str, Any], number: int) -> Self:
+        """Return the law of a model file's table.
+
+        Raises:
+            ValueError: a key is missing or unknown, or a value cannot be; the message says which.
+        """
+        wanted = {"stage": Place, "variable": Variable, "memory": Memory}
+        names = {*wanted, "setting", "low", "high", "weights"}
+        for name in (*table, *names):
+            if name not in names or name not in table:
+                raise ValueError(f"{name} is {'missing' if name in names else 'no key of a law without a name'}")
+        for name, choices in wanted.items():
+            if table[name] not in get_args(choices):
+                raise ValueError(f"{name} is {table[name]!r}; allowed: {', '.join(get_args(choices))}")
+        weights = table["weights"]
+        if not isinstance(weights, list | tuple) or not 1 <= len(weights) <= 64:
+            raise ValueError("weights must be a list of 1 to 64 numbers")
+        numbers = [table[name] for name in ("setting", "low", "high")] + list(weights)
+        if not all(isinstance(value, int | float) and math.isfinite(value) for value in numbers):
+            raise ValueError("setting, low, high and weights must be finite numbers")
+        if not table["high"] > table["low"]:
+            raise ValueError("high must be above low")
+        setting, low, high, *rest = map(float, numbers)
+        return cls(table["stage"], table["variable"], table["memory"], setting, low, high, tuple(rest), number=number)
+
+    # What the law adds.
+
+    def basis(self, remembered: FloatArray) -> FloatArray:
+        """Return the series at values of the remembered variable (...), shape (..., k)."""
+        return basis(remembered, self.low, self.high, len(self.weights), self.memory, self.setting, self.place)
+
+    def of(self, remembered: FloatArray) -> FloatArray:
+        """Return what the law adds at values of the remembered variable, in the stage's unit."""
+        added = np.asarray(self.basis(remembered) @ np.array(self.weights))
+        return np.maximum(added, 0.0) if self.memory == "friction" else added
+
+    def outside(self, remembered: FloatArray) -> float:
+        """Return the fraction of values that lie outside the range that was seen."""
+        margin = 0.02 * (self.high - self.low)
+        off = (remembered < self.low - margin) | (remembered > self.high + margin)
+        return float(np.mean(off)) if off.size else 0.0
+
+    @property
+    def reverses(self) -> bool:  # type: ignore[override]
+        """Whether load and release follow branches of their own."""
+        return self.memory == "friction" and self.place in ("transmission", "structure")
+
+    @property
+    def varies_along(self) -> bool:  # type: ignore[override]
+        """Whether notches bend differently by their place."""
+        return self.variable == "position"
+
+    @property
+    def shapes_branches(self) -> bool:
+        """Whether the law is part of the tabulated branches."""
+        return self._tabulated
+
+    @property
+    def _tabulated(self) -> bool:
+        return (
+            self.place in ("transmission", "structure")
+            and self.memory in ("none", "friction", "period")
+            and self.variable in ("curvature", "bending_length", "position")
+        )
+
+    @property
+    def drags(self) -> bool:
+        """Whether the law takes tension from the segment, row by row."""
+        return self.place in ("transmission", "structure") and not self._tabulated
+
+    @property
+    def slackens(self) -> bool:
+        """Whether the law adds tendon length by what the tension was."""
+        return self.place == "tendon" and not self._stretches
+
+    @property
+    def _stretches(self) -> bool:
+        return self.place == "tendon" and self.variable == "tension" and self.memory in ("none", "period")
+
+    def drive(self, history: History) -> History:
+        """Add to the stroke, or to the tension where that drives."""
+        if self.place != "drive":
+            return history
+        unit = MILLIMETRE if history.stroke is not None else 1.0
+        series = variable_of(self.variable, history, history.drive, None)
+        if self.memory == "friction":
+            half = self.of(series) * unit
+            moved = follow(history.drive - half, history.drive + half)
+        else:
+            moved = history.drive + self.of(remember(series, history, self.memory, self.setting)) * unit
+        return replace(history, stroke=moved) if history.stroke is not None else replace(history, tension=moved)
+
+    def stretch(self, stretch: FloatArray, tension: FloatArray, joint: Joint) -> FloatArray:
+        """Add elongation that the tension of the moment makes."""
+        if not self._stretches:
+            return stretch
+        return np.maximum.accumulate(stretch + self.of(tension) * MILLIMETRE)
+
+    def slack(self, tension: FloatArray, history: History, joint: Joint) -> FloatArray:
+        """Return tendon length (m) that time, path or the tension so far has added."""
+        if not self.slackens:
+            return np.zeros_like(tension)
+        series = variable_of(self.variable, history, tension, None)
+        return self.of(remember(series, history, self.memory, self.setting)) * MILLIMETRE
+
+    def friction(self, direction: int, joint: Joint, bending_length: float) -> float:
+        """Return the exponent that the bending length alone decides."""
+        if self.place != "transmission" or not self._tabulated or self.variable != "bending_length":
+            return 0.0
+        added = float(self.of(np.array([bending_length]))[0])
+        return direction * added if self.memory == "friction" else added
+
+    def moment(self, moment: FloatArray, curvature: FloatArray, direction: int, segment: Segment) -> FloatArray:
+        """Add moment by curvature, place or bending length; a tension ratio by curvature acts as a factor on it."""
+        if not self._tabulated or (self.place == "transmission" and self.variable == "bending_length"):
+            return moment
+        if self.variable == "curvature":
+            added = self.of(curvature)
+        else:
+            place = segment.position if self.variable == "position" else None
+            at = np.array([[segment.bending_length]]) if place is None else place
+            added = np.broadcast_to(self.of(at), curvature.shape)
+        sign = direction if self.memory == "friction" else 1
+        if self.place == "transmission":
+            return np.asarray(moment * np.exp(np.clip(sign * added, -3.0, 3.0)))
+        return np.asarray(moment + sign * added * segment.rigidity)
+
+    def drag(self, motion: Motion) -> FloatArray:
+        """Return the tension (N, at the actuator) that the law takes, row by row."""
+        series = variable_of(self.variable, motion.history, motion.tension, motion.curvature)
+        added = self.of(remember(series, motion.history, self.memory, self.setting))
+        if self.place == "transmission":
+            return np.asarray(motion.tension * np.expm1(np.clip(added, -3.0, 3.0)))
+        return np.asarray(added * motion.tension_per_curvature)
+
+    def sense(self, response: FloatArray, history: History) -> FloatArray:
+        """Add to the response."""
+        if self.place != "sensor":
+            return response
+        out = np.empty_like(response)
+        for column in range(response.shape[1]):
+            here = response[:, column]
+            series = variable_of(self.variable, history, history.drive, here)
+            if self.memory == "friction":
+                half = self.of(series)
+                out[:, column] = follow(here - half, here + half)
+            else:
+                out[:, column] = here + self.of(remember(series, history, self.memory, self.setting))
+        return out
+
+    def weigh(self, tension: FloatArray, history: History) -> FloatArray:
+        """Add to what the load cell reads."""
+        if self.place != "load_cell":
+            return tension
+        series = variable_of(self.variable, history, tension, None)
+        return np.asarray(tension + self.of(remember(series, history, self.memory, self.setting)))
+
+
+def variable_of(variable: Variable, history: History, tension: FloatArray, curvature: FloatArray | None) -> FloatArray:
+    """Return a variable's value at every row of a run, SI, shape (n,).
+
+    Args:
+        tension: own tension, or the drive where the law acts before there is one. curvature: own response, where known.
+    """
+    clock = np.arange(tension.shape[0], dtype=np.float64) if history.time is None else history.time
+    if variable == "curvature":
+        return tension if curvature is None else curvature
+    if variable == "tension":
+        return tension
+    if variable == "bending_length":
+        return history.bending_length
+    if variable == "time":
+        return clock
+    if variable == "rate":
+        return drive_rate(history.drive, clock)
+    if variable == "path":
+        return travelled(history.drive)
+    if variable == "run":
+        return np.full(tension.shape[0], float(history.run))
+    return history.drive
+
+
+def drive_rate(drive: FloatArray, clock: FloatArray) -> FloatArray:
+    """Return the speed of the drive with its sign (per s), the mean of the steps to and from each row, shape (n,)."""
+    if drive.size < 2:
+        return np.zeros_like(drive)
+    step = np.diff(drive) / np.maximum(np.diff(clock), 1e-9 + 1e-6 * float(np.median(np.abs(np.diff(clock)))))
+    return np.concatenate([step[:1], 0.5 * (step[1:] + step[:-1]), step[-1:]])
+
+
+def travelled(series: FloatArray) -> FloatArray:
+    """Return the path that a series has travelled by each row, shape (n,)."""
+    return np.concatenate([[0.0], np.cumsum(np.abs(np.diff(series)))]) if series.size else series
+
+
+def remember(series: FloatArray, history: History, memory: Memory, setting: float) -> FloatArray:
+    """Return the remembered variable y of a series (n,): itself, its lag, its largest value, its path, or a step."""
+    if memory == "relaxation":
+        if history.time is None or series.size == 0:
+            return np.zeros_like(series)
+        return relax(series, history.time, setting, series[0]) - series
+    if memory == "maximum":
+        return np.asarray(np.maximum.accumulate(series))
+    if memory == "path":
+        return travelled(series)
+    if memory == "step":
+        return (series > setting).astype(np.float64)
+    return series
+
+
+def basis(
+    remembered: FloatArray, low: float, high: float, count: int, memory: Memory, setting: float, place: Place
+) -> FloatArray:
+    """Return ``count`` functions of the remembered variable (...), shape (..., count).
+
+    Legendre polynomials over the range; those of a drive or tendon vanish at its low end, where the dead band stands for
+    them, and those of a lag or a rate vanish at zero. A period has sines and cosines, a step is its own function.
+    """
+    if memory == "step":
+        return np.asarray(remembered, dtype=np.float64)[..., np.newaxis]
+    if memory == "period":
+        turn = 2.0 * np.pi * remembered / setting
+        waves = [f(k * turn) for k in range(1, (count + 1) // 2 + 1) for f in (np.sin, np.cos)]
+        return np.stack(waves[:count], axis=-1)
+    if memory in _SIGNED_MEMORIES:
+        reach = max(abs(low), abs(high), 1e-300)
+        x = np.clip(remembered, low, high) / reach
+        return np.stack([x ** (k + 1) for k in range(count)], axis=-1)
+    x = 2.0 * (np.clip(remembered, low, high) - low) / max(high - low, 1e-300) - 1.0
+    anchored = place in ("drive", "tendon", "transmission") and memory != "friction"
+    polynomials = np.polynomial.legendre.legvander(x, count if anchored else count - 1)
+    if not anchored:
+        return np.asarray(polynomials)
+    signs = (-1.0) ** np.arange(1, count + 1)
+    return np.asarray(polynomials[..., 1:] - signs)
