@@ -29,6 +29,7 @@ RESPONSES = ("notch", "curvature", "bend")
 JOINT = {"run", "time", "outer", "middle", "bending_length", "stroke", "tension", "curvature", "bend", "notch"}
 SHAPE = {"run", "outer", "middle", "tube", "natural", "x", "y"}
 NOTCH = re.compile(r"notch_(\d{1,6})(?:_(.*))?")
+MOST_NAMED = 20  # unknown columns that are named one by one
 Kind = Literal["joint", "shape"]
 
 
@@ -75,11 +76,13 @@ def find_layout(table: Table, renamed: Mapping[str, str] | None = None) -> Layou
     unknown += [column.name for column in found if column.quantity not in used] + [name for name, _, _ in wrong]
     columns = _once_each(table, [column for column in found if column.quantity in used and not column.notch])
     notches = _notches(table, [column for column in found if column.notch]) if kind == "joint" else ()
+    strangers = [name for name in unknown if name]
     notes = [
         f"{table.path}: column {name!r} is not known and not used. {nearest(name, known_names())}".rstrip()
-        for name in unknown
-        if name
+        for name in strangers[:MOST_NAMED]
     ]
+    if len(strangers) > MOST_NAMED:
+        notes.append(f"{table.path}: {len(strangers) - MOST_NAMED} more columns are not known and not used.")
     present = [name for name in RESPONSES if name in columns or (name == "notch" and notches)]
     spare = [columns.pop(name).name for name in present[1:]]
     if spare:

@@ -10,7 +10,10 @@ import csv
 import hashlib
 import io
 import os
+import re
+from collections import Counter
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -36,6 +39,8 @@ NEWLINE, RETURN, QUOTE = b"\n", b"\r", b'"'
 IN_NUMBERS = np.zeros(256, dtype=bool)
 IN_NUMBERS[[*b"+-.0123456789eE \t\0"]] = True
 MISSING = (b"", b"nan", b"NaN", b"NAN")
+GROUPED = re.compile(r"[+-]?[0-9]{1,3}(\.[0-9]{3})+")  # beside decimal commas: thousands, or a decimal point?
+GUARDED = re.compile(r"'(?=[=+\-@])")  # the mark that keeps our own CSV files from being formulas
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,18 +65,24 @@ class Table:
     decimal: str
     columns: tuple[Cells, ...]
 
+    @cached_property
+    def index(self) -> dict[str, int]:
+        """The place of each column by its name."""
+        return {name: place for place, name in enumerate(self.names)}
+
     def numbers(self, name: str, *, may_be_missing: bool = False) -> Floats:
         """Return a column as numbers, [n]; empty cells are NaN where they may be missing.
 
         Raises:
             BadInput: a cell is empty, not a number or beyond `LARGEST_NUMBER`; says file, line and column.
         """
-        index = self.names.index(name)
+        index = self.index[name]
         cells = self.columns[index]
         missing = np.isin(np.char.strip(cells), MISSING) if may_be_missing else np.zeros(len(cells), dtype=bool)
         width = cells.dtype.itemsize
         matrix = np.where(missing, b"0", cells).astype(cells.dtype).view(np.uint8).reshape(len(cells), width)
         if self.decimal == ",":
+            self._refuse_grouped(index)
             matrix[matrix == ord(",")] = ord(".")
         if IN_NUMBERS[matrix].all():
             try:
@@ -86,10 +97,9 @@ class Table:
 
     def texts(self, name: str) -> tuple[Integers, tuple[str, ...]]:
         """Return a text column as the row where each stretch of equal cells starts, and that cell's text."""
-        index = self.names.index(name)
-        cells = self.columns[index]
+        cells = self.columns[self.index[name]]
         starts = np.concatenate(([0], 1 + np.flatnonzero(cells[1:] != cells[:-1])))
-        return starts, tuple(cell.decode("utf-8").strip() for cell in cells[starts].tolist())
+        return starts, tuple(GUARDED.sub("", cell.decode("utf-8").strip(), 1) for cell in cells[starts].tolist())
 
     def error(self, message: str, *, name: str | None = None, row: int | None = None, **facts: str | None) -> BadInput:
         """Return an error that says file, line and column of a cell, or of the header when ``row`` is None."""
@@ -97,10 +107,19 @@ class Table:
             message,
             file=self.path,
             line=self.header_line if row is None else int(self.line[row]),
-            column=self.names.index(name) + 1 if name in self.names else None,
+            column=None if name not in self.index else self.index[name] + 1,
             key=name,
             **facts,
         )
+
+    def _refuse_grouped(self, index: int) -> None:
+        """Refuse ``1.000`` beside decimal commas: it may be a thousand, or one."""
+        cells = self.columns[index]
+        for row in np.flatnonzero(np.char.count(cells, b".")).tolist():
+            text = cells[row].decode("utf-8").strip()
+            if GROUPED.fullmatch(text):
+                allowed = "a number without points between thousands, as this file has decimal commas"
+                raise self.error("a thousand or one", name=self.names[index], row=row, found=text, allowed=allowed)
 
     def _first_bad_cell(self, index: int, missing: NDArray[np.bool_]) -> BadInput:
         name = self.names[index]
@@ -155,14 +174,15 @@ def read_table(path: str | Path) -> Table:
     names = tuple(name.strip() for name in header)
     if body and not body.endswith(NEWLINE):
         body += NEWLINE
-    twice = next((name for index, name in enumerate(names) if name and name in names[:index]), None)
+    counts = Counter(names)
+    twice = next((name for name in names if name and counts[name] > 1), None)
     if twice:
         raise BadInput("two columns have the same name", file=path, line=header_line, found=twice)
     split = _split_quoted if QUOTE in body else _split
     columns, lines = split(body, separator, len(names), str(path), header_line + 1)
     if len(lines) == 0:
         raise BadInput("a header and no rows", file=path, line=header_line, allowed="at least two rows of numbers")
-    decimal = "," if separator == ";" and any(b"," in column for column in map(_joined, columns)) else "."
+    decimal = "," if separator == ";" and any(map(_has_decimal_comma, columns)) else "."
     table = Table(str(path), digest, names, header_line, lines, decimal, columns)
     return _without_unnamed(table)
 
@@ -271,8 +291,13 @@ def _ragged(path: str, line: int, found: int, count: int) -> BadInput:
     )
 
 
-def _joined(cells: Cells) -> bytes:
-    return cells.tobytes()
+def _has_decimal_comma(cells: Cells) -> bool:
+    """Return whether a cell is a number but for a comma; one in a text says nothing."""
+    if b"," not in cells.tobytes():
+        return False
+    matrix = cells.view(np.uint8).reshape(len(cells), -1)
+    commas = matrix == ord(",")
+    return bool((commas.any(axis=1) & (IN_NUMBERS[matrix] | commas).all(axis=1)).any())
 
 
 def _without_unnamed(table: Table) -> Table:
