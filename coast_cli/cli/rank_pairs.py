@@ -31,7 +31,7 @@ def rank_pairs(
 ) -> None:
     """Rank every pair of an outer and a middle tube.
 
-    The score joins total pre-curvature, |ln(rigidity ratio)| and total rigidity, each scaled to 0..1 over the pairs;
+    The score joins total pre-curvature, |ln(rigidity ratio)| and total rigidity, each over its reference of [rank];
     smaller is better. A pair that cannot be assembled is listed last with its reason.
     """
     from dataclasses import asdict

@@ -23,7 +23,7 @@ from coast_cli.design.explore import (
 )
 from coast_cli.design.figures import FIGURES, POINT_FIGURES
 from coast_cli.design.front import Front
-from coast_cli.design.rank import scores_of
+from coast_cli.design.references import objective_scores
 from coast_cli.design.space import KEYS
 from coast_cli.design.work import in_order
 from coast_cli.spec.config import Config
@@ -121,7 +121,7 @@ def _restored(state: Mapping[str, NDArray[Any]]) -> tuple[Front, dict[str, int]]
 def _rows(config: Config, text: str, front: Front) -> list[Row]:
     if front.costs is None or front.size == 0:
         return []
-    score = scores_of(front.costs, [1.0] * front.costs.shape[1])
+    score = objective_scores(config, front.costs)
     order = np.lexsort((*front.costs.T, score))
     columns = {name: values[order] for name, values in front.columns.items() if not name.startswith("share_")}
     named: dict[str, Any] = {"pair": [f"E{number}" for number in range(1, front.size + 1)]}

@@ -1,7 +1,8 @@
 """Ranking of tube pairs: every outer with every middle tube, scored, and marked where no other pair is better in all.
 
-Each of total pre-curvature, |ln(rigidity ratio)| and total rigidity is scaled to 0..1 over the pairs; the score is the
-weighted root of the sum of their squares, smaller is better. All pairs at once, in arrays, the middle tube slowest.
+Each of total pre-curvature, |ln(rigidity ratio)| and total rigidity is divided by an absolute reference; the score is the
+weighted root of the sum of their squares, smaller is better, so the order of two pairs never depends on a third. All
+pairs at once, in arrays, the middle tube slowest.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from coast_cli.design.references import CHANGE, Reference, rank_references
 from coast_cli.errors import UsageError
 from coast_cli.mechanics.pair import Assembly, PairTable, pair_table
 from coast_cli.mechanics.section import FloatArray, SectionKind
@@ -79,10 +81,14 @@ def rank(config: Config, options: RankOptions | None = None) -> Ranking:
     pairs = pair_table(design.outer, design.middle, design.gravity, options.assembly)
     reasons = _reasons(design, pairs)
     possible = reasons == ""
-    scores = {rigidity: _scores(pairs, rigidity, options.weights, possible) for rigidity in RIGIDITIES}
+    references = rank_references(config)
+    units = np.array([reference.value for reference in references])
+    scores = {rigidity: _scores(pairs, (rigidity, options.weights, units), possible) for rigidity in RIGIDITIES}
     order = np.argsort(scores[options.rigidity], kind="stable")
-    columns = _columns(design, pairs, reasons, scores[options.rigidity], options.rigidity, order)
-    return Ranking(columns, _notes(design, options.rigidity, scores, columns))
+    changed = [_scores(pairs, (options.rigidity, options.weights, units * f), possible) for f in _changes()]
+    margins = _margins(*(table[order] for table in (scores[options.rigidity], *changed)))
+    columns = _columns(design, pairs, reasons, (scores[options.rigidity], margins), options.rigidity, order)
+    return Ranking(columns, _notes(design, options.rigidity, scores, columns, references))
 
 
 def pareto(costs: FloatArray) -> NDArray[np.bool_]:
@@ -123,24 +129,43 @@ def _costs(pairs: PairTable, rigidity: Rigidity) -> FloatArray:
     return np.stack([cost.ravel() for cost in (pairs.total_precurvature, np.abs(np.log(ratio)), total)], axis=1)
 
 
-def _scores(pairs: PairTable, rigidity: Rigidity, weights: Sequence[float], possible: NDArray[np.bool_]) -> FloatArray:
-    """Return the score of each pair, infinite for an impossible one."""
-    return scores_of(np.where(possible[:, None], _costs(pairs, rigidity), np.nan), weights)
+def _scores(
+    pairs: PairTable, scoring: tuple[Rigidity, Sequence[float], FloatArray], possible: NDArray[np.bool_]
+) -> FloatArray:
+    """Return the score of each pair by a rigidity, weights and references, infinite for an impossible pair."""
+    rigidity, weights, references = scoring
+    return scores_of(np.where(possible[:, None], _costs(pairs, rigidity), np.nan), weights, references)
 
 
-def scores_of(costs: FloatArray, weights: Sequence[float]) -> FloatArray:
-    """Return the score of each pair, infinite where its costs are NaN.
+def scores_of(costs: FloatArray, weights: Sequence[float], references: Sequence[float] | FloatArray) -> FloatArray:
+    """Return the score of each pair from its own costs alone, infinite where they are NaN.
 
     Args:
-        costs: shape (pairs, k), or (pairs, k, m) for m benches that are each scaled by themselves.
-        weights: of the k costs.
+        costs: shape (pairs, k), or (pairs, k, m) for m benches.
+        weights, references: of the k costs; a cost over its reference counts.
     """
     known = np.isfinite(costs)
-    low = np.where(known, costs, np.inf).min(axis=0)
-    high = np.where(known, costs, -np.inf).max(axis=0)
-    scaled = (costs - low) / np.where(high > low, high - low, 1.0)
-    factors = np.array(weights).reshape(-1, *[1] * (costs.ndim - 2))
-    return np.where(known.all(axis=1), np.sqrt((factors * scaled**2).sum(axis=1)), np.inf)
+    shape = (-1, *[1] * (costs.ndim - 2))
+    scaled = np.where(known, costs, 0.0) / np.reshape(references, shape)
+    return np.where(known.all(axis=1), np.sqrt((np.reshape(weights, shape) * scaled**2).sum(axis=1)), np.inf)
+
+
+def _changes() -> FloatArray:
+    """Return factors of the references: each in turn larger and smaller, the others as they are; shape (6, 3)."""
+    return np.concatenate([1.0 + sign * CHANGE * np.eye(3) for sign in (1.0, -1.0)])
+
+
+def _margins(score: FloatArray, *changed: FloatArray) -> dict[str, list[Any]]:
+    """Return by how much each pair, in order, is ahead of the next, and whether it stays so with changed references."""
+    last = np.append(~np.isfinite(score[1:]), True) if score.size else np.ones(0, dtype=bool)
+    with np.errstate(invalid="ignore"):
+        ahead = np.stack([np.append(np.diff(table), np.nan) for table in (score, *changed)])
+    return {
+        "margin": [None if end else float(gap) for end, gap in zip(last, ahead[0], strict=True)],
+        "margin_stable": [
+            None if end else bool(held) for end, held in zip(last, np.all(ahead > 0.0, axis=0), strict=True)
+        ],
+    }
 
 
 def _reasons(design: Design, pairs: PairTable) -> NDArray[np.object_]:
@@ -161,7 +186,7 @@ def _columns(
     design: Design,
     pairs: PairTable,
     reasons: NDArray[np.object_],
-    scores: FloatArray,
+    scored: tuple[FloatArray, Mapping[str, list[Any]]],
     rigidity: Rigidity,
     order: NDArray[np.intp],
 ) -> dict[str, Any]:
@@ -193,7 +218,8 @@ def _columns(
         "rigidity_ratio_series": figure(pairs.ratio_series),
         "total_rigidity_mean_n_m2": figure(pairs.total_mean),
         "total_rigidity_series_n_m2": figure(pairs.total_series),
-        "score": figure(scores),
+        "score": figure(scored[0]),
+        **scored[1],
         "pareto": best[order],
         "leading_tube": figure(np.where(pairs.signed_precurvature > 0.0, "outer", "middle")),
         "probability_passing": [None] * order.size,
@@ -203,11 +229,23 @@ def _columns(
 
 
 def _notes(
-    design: Design, rigidity: Rigidity, scores: Mapping[Rigidity, FloatArray], columns: Mapping[str, Any]
+    design: Design,
+    rigidity: Rigidity,
+    scores: Mapping[Rigidity, FloatArray],
+    columns: Mapping[str, Any],
+    references: Sequence[Reference],
 ) -> tuple[str, ...]:
-    notes = [*design.notes, *design.uncorrected]
+    words = ", ".join(f"{one.name} {one.words} ({one.source})" for one in references)
+    origin = design.config.rank.source if design.config.rank is not None else None
+    notes = [*design.notes, *design.uncorrected, f"measured in: {words}{f'; {origin}' if origin else ''}."]
     if not np.isfinite(scores[rigidity]).any():
         return (*notes, "no pair can be assembled.")
+    if columns["margin"][0] is not None:
+        stays = "stays first" if columns["margin_stable"][0] else "does not stay first"
+        notes.append(
+            f"{columns['sample'][0]} is {columns['margin'][0]:.3g} ahead of {columns['sample'][1]}, and {stays} before it "
+            f"where any one of these references changes by {100.0 * CHANGE:g} %."
+        )
     other: Rigidity = "series" if rigidity == "mean" else "mean"
     first = {name: int(np.argmin(scores[name])) for name in RIGIDITIES}
     if first[other] == first[rigidity]:

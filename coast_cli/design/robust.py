@@ -43,6 +43,7 @@ def robust_rank(config: Config, options: RankOptions, *, samples: int = SAMPLES,
     ordered["rank"] = columns["rank"]
     best = f"{ordered['outer'][0]}/{ordered['middle'][0]}"
     score_first = f"{drawn.columns['outer'][0]}/{drawn.columns['middle'][0]}"
-    note = f"{best} passes most often; by score as drawn {score_first} ranks first."
+    survives = float(columns["probability_first"][0])
+    note = f"{best} passes most often; by score as drawn {score_first} ranks first, and in {survives:.1%} of benches as made."
     source = "[tolerances]" if config.tolerances is not None else "the default tolerances"
     return Ranking(ordered, (*drawn.notes, note, f"chances are of {samples} samples over {source}."))

@@ -18,6 +18,7 @@ from coast_cli.design.indices import sobol_indices_of
 from coast_cli.design.limits import assembles, at_the_point, limits
 from coast_cli.design.population import TubePopulation
 from coast_cli.design.rank import RankOptions, scores_of
+from coast_cli.design.references import rank_references
 from coast_cli.design.samples import Keep, Made, make_pair, make_pairs, sampled, shares
 from coast_cli.design.variation import Variation, variation
 from coast_cli.errors import NotConverged
@@ -117,7 +118,7 @@ def chances(
             cost = np.stack((columns["total_precurvature_rad"], ratio, total))
             costs.append(np.where(possible, cost, np.nan))
     table = np.stack(costs)  # (pairs, 3, samples)
-    scores = scores_of(table, options.weights)
+    scores = scores_of(table, options.weights, [reference.value for reference in rank_references(config)])
     best = np.argmin(scores, axis=0)
     return np.stack(passing), (np.arange(len(costs))[:, None] == best) & np.isfinite(scores)
 

@@ -76,7 +76,7 @@ def ranking_section(ranking: Ranking, options: RankOptions, pair: str) -> str:
     ]
     weights = ", ".join(f"{weight:g}" for weight in options.weights)
     said = (
-        f"The score joins total pre-curvature, |ln(rigidity ratio)| and total EI, each scaled to 0..1 over the pairs, with "
+        f"The score joins total pre-curvature, |ln(rigidity ratio)| and total EI, each over its reference, with "
         f"weights {weights}; smaller is better. It takes {options.rigidity} rigidities and {options.assembly} assembly. "
         f"{_FRONT} marks the Pareto front: no other pair is as good in all three and better in one."
     )

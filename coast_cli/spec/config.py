@@ -154,6 +154,26 @@ class Checks(Document):
     )
 
 
+class Rank(Document):
+    """What the criteria of the ranking are divided by: absolute references, so that no pair's score rests on another."""
+
+    total_precurvature_rad: Annotated[float, Within(0.0, 1e3, above=True)] | None = Field(
+        None,
+        description="total pre-curvature that counts as 1, rad; default: checks.max_total_precurvature_rad, else 0.3",
+    )
+    rigidity_ratio: Annotated[float, Within(1.0, 1e9, above=True)] | None = Field(
+        None,
+        description="rigidity ratio, either way, whose |ln| counts as 1; default: the bound of checks.rigidity_ratio nearer"
+        " to 1, else 1.25",
+    )
+    total_rigidity_n_m2: Annotated[float, Within(0.0, 1e6, above=True)] | None = Field(
+        None, description="total rigidity that counts as 1, N m^2; default: 1e-4, about the two uncut tubes"
+    )
+    source: Annotated[str, Field(min_length=1, max_length=200)] | None = Field(
+        None, description="where these values come from, in words"
+    )
+
+
 @dataclass(frozen=True)
 class Origin:
     """The file a configuration was read from, its text and the places of its keys."""
@@ -190,6 +210,7 @@ class Config(Document):
     tendon: TendonFields | None = Field(None, description="the tendon; left out where tension is the drive")
     joint: JointFields | None = Field(None, description="the stroke model of the joint")
     checks: Checks | None = Field(None, description="limits that `coast check` holds the pair to")
+    rank: Rank | None = Field(None, description="references that `coast rank-pairs` measures its criteria in")
     explore: Explore | None = Field(None, description="design space that `coast explore` searches")
     tolerances: Tolerances | None = Field(None, description="how far finished tubes may be from the drawing")
     corrections: dict[str, dict[str, float]] = Field(

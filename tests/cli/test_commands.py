@@ -61,7 +61,7 @@ def test_the_rank_table_shows_both_rigidities_and_what_the_other_would_choose(co
     assert heading.count("rigidity_") == 4
     assert heading.count("ratio_mean") == heading.count("ratio_series") == 1
     assert "by series rigidity the same pair ranks first" in ran.err
-    other = edited(("natural_curvature_per_m = 1.1 ", "natural_curvature_per_m = 2.0 "))
+    other = edited(("natural_curvature_per_m = 1.1 ", "natural_curvature_per_m = 8.0 "))
     first = {
         measure: rows(coast("rank-pairs", other, "-f", "json", "--rigidity", measure))[0]["sample"]
         for measure in ("mean", "series")

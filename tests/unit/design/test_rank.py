@@ -8,6 +8,7 @@ from hypothesis.extra.numpy import arrays
 
 from coast_cli.design import rank as ranking
 from coast_cli.design.rank import RankOptions, pareto, rank
+from coast_cli.design.references import rank_references
 from coast_cli.errors import BadInput, UsageError
 from coast_cli.spec.load import load_config, load_config_text
 
@@ -22,7 +23,7 @@ def test_pareto_is_what_no_other_dominates(costs):
     np.testing.assert_array_equal(pareto(costs), [not dominated(costs, index) for index in range(len(costs))])
 
 
-def test_the_score_is_the_weighted_root_of_scaled_squares(reference):
+def test_the_score_is_the_weighted_root_of_squares_over_references(reference):
     weights = (2.0, 0.5, 1.0)
     columns = rank(load_config(reference), RankOptions(rigidity="series", weights=weights)).columns
     costs = np.array(
@@ -33,22 +34,61 @@ def test_the_score_is_the_weighted_root_of_scaled_squares(reference):
         ],
         dtype=float,
     )
-    low, high = costs.min(axis=1, keepdims=True), costs.max(axis=1, keepdims=True)
-    expected = np.sqrt(np.array(weights) @ ((costs - low) / (high - low)) ** 2)
+    expected = np.sqrt(np.array(weights) @ (costs / np.array([[0.3], [-np.log(0.8)], [1e-4]])) ** 2)
     np.testing.assert_allclose(np.array(columns["score"], dtype=float), expected)
     assert list(columns["score"]) == sorted(columns["score"])
+    np.testing.assert_allclose(columns["margin"][:-1], np.diff(columns["score"]))
+    assert columns["margin"][-1] is columns["margin_stable"][-1] is None
 
 
-def test_one_pair_alone_scores_zero(reference_text):
+def test_one_pair_alone_keeps_its_score_and_has_no_margin(reference, reference_text):
     text = reference_text
     for name in ("OT1", "OT2", "OT3", "MT2", "MT3"):
-        start = text.index(f'name = "{name}"')
-        header = text.rindex("[[", 0, start)
-        rest = text.find("[", start)
-        text = text[:header] + text[rest:]
-    ranking = rank(load_config_text(text))
-    assert list(ranking.columns["score"]) == [0.0]
-    assert list(ranking.columns["pareto"]) == [True]
+        text = without(text, name)
+    alone, among = rank(load_config_text(text)).columns, rank(load_config(reference)).columns
+    assert alone["score"][0] == pytest.approx(among["score"][0], rel=1e-12)
+    assert alone["margin"] == [None]
+    assert list(alone["pareto"]) == [True]
+
+
+def without(text, name):
+    start = text.index(f'name = "{name}"')
+    header = text.rindex("[[", 0, start)
+    return text[:header] + text[text.find("[", start) :]
+
+
+def test_references_come_from_the_rank_table_then_the_checks_then_the_defaults(reference_text):
+    given = "[rank]\ntotal_precurvature_rad = 0.5\nrigidity_ratio = 2.0\nsource = 'ten benches'\n"
+    config = load_config_text(reference_text + given)
+    turn, ratio, total = rank_references(config)
+    assert (turn.value, turn.source) == (0.5, "rank.total_precurvature_rad")
+    assert ratio.value == pytest.approx(np.log(2.0))
+    assert (total.value, total.source[:7]) == (1e-4, "default")
+    assert any(
+        "0.5 rad (rank.total_precurvature_rad)" in note and "; ten benches." in note for note in rank(config).notes
+    )
+    bare = reference_text[: reference_text.index("[checks]")]
+    assert [one.value for one in rank_references(load_config_text(bare))] == pytest.approx([0.3, np.log(1.25), 1e-4])
+
+
+@pytest.mark.parametrize(
+    ("limits", "value", "source"),
+    [
+        ("min = 0.8, max = 4.0", 1.25, "checks.rigidity_ratio.min"),
+        ("max = 4.0", 4.0, "checks.rigidity_ratio.max"),
+        ("min = 1.0, max = 4.0", 4.0, "checks.rigidity_ratio.max"),
+        ("min = 0.0, max = 1.0", 1.25, "default"),
+    ],
+)
+def test_a_bound_of_the_ratio_measures_it_where_it_leaves_room(edited, limits, value, source):
+    config = load_config(edited(("min = 0.8, max = 4.0", limits)))
+    found = rank_references(config)[1]
+    assert (np.exp(found.value), found.source) == (pytest.approx(value), source)
+
+
+def test_a_narrow_margin_does_not_survive_other_references(reference):
+    columns = rank(load_config(reference)).columns
+    assert columns["margin_stable"][:2] == [True, False]  # S4 before S3; S3 before S2 rests on the references
 
 
 def test_samples_are_numbered_middle_major(reference):
@@ -68,7 +108,7 @@ def test_weights_that_weigh_nothing(weights):
 
 def test_a_leading_outer_tube_in_front_is_noted(edited):
     assert not any("snapping" in note for note in rank(load_config(edited())).notes)
-    ranking = rank(load_config(edited(("natural_curvature_per_m = 1.1 ", "natural_curvature_per_m = 2.0 "))))
+    ranking = rank(load_config(edited(("natural_curvature_per_m = 1.1 ", "natural_curvature_per_m = 8.0 "))))
     assert ranking.columns["leading_tube"][0] == "outer"
     assert any("snapping" in note for note in ranking.notes)
 
