@@ -11,6 +11,7 @@ from typing import Annotated, Any
 import typer
 
 from coast_cli import __version__
+from coast_cli.cli.paths import kept_apart
 from coast_cli.errors import UsageError, nearest
 from coast_cli.output.standard_streams import to_stdout
 
@@ -68,7 +69,7 @@ def _app(names: list[str]) -> Any:  # noqa: ANN401
     for name in names:
         module, function = COMMANDS[name].split(":")
         command = getattr(import_module(module), function)
-        app.command(name, short_help=_first_sentence(command))(command)
+        app.command(name, short_help=_first_sentence(command))(kept_apart(command))
     return app
 
 

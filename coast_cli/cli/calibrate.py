@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from coast_cli.cli.options import ConfigArgument, FormatOption
+from coast_cli.cli.paths import WRITES
 from coast_cli.cli.recording_options import (
     BendingLengthOption,
     ColumnsOption,
@@ -36,6 +37,7 @@ def calibrate(
     output: Annotated[
         list[Path] | None,
         typer.Option("--output", "-o", metavar="FILE", help="write the configuration (.toml) or the rows; repeatable"),
+        WRITES,
     ] = None,
 ) -> int:
     """Print fitted parameters with intervals of 90 %, and what the recordings cannot tell; -o writes the configuration.

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from coast_cli.cli.options import ConfigsArgument
+from coast_cli.cli.paths import WRITES
 
 FORMATS = ("table", "json", "csv", "junit", "github")
 
@@ -21,6 +22,7 @@ def check(
     output: Annotated[
         list[Path] | None,
         typer.Option("--output", "-o", metavar="FILE", help="write a file: .txt, .json, .csv or .xml (JUnit)"),
+        WRITES,
     ] = None,
 ) -> int:
     """Hold the joint's pair of each configuration to its [checks]; exit 1 when a limit does not hold."""

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from coast_cli.cli.options import ConfigArgument, FormatOption, OutputOption
+from coast_cli.cli.paths import READS
 from coast_cli.cli.recording_options import (
     BendingLengthOption,
     ColumnsOption,
@@ -23,7 +24,7 @@ def compare(
     recordings: RecordingsArgument,
     *,
     model: Annotated[
-        Path | None, typer.Option(metavar="FILE.toml", help="a model with corrections, as --save-model wrote it")
+        Path | None, typer.Option(metavar="FILE.toml", help="a model with corrections, as --save-model wrote it"), READS
     ] = None,
     columns: ColumnsOption = None,
     pair: RecordedPairOption = None,

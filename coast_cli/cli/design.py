@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from coast_cli.cli.options import ConfigArgument, FormatOption, OutputOption, PairOption
+from coast_cli.cli.paths import WRITES
 
 
 def design(
@@ -21,7 +22,9 @@ def design(
     ] = "outer.depth_mm,middle.depth_mm",
     pair: PairOption = None,
     save: Annotated[
-        Path | None, typer.Option("--save", metavar="FILE.toml", help="the configuration with the designed pair added")
+        Path | None,
+        typer.Option("--save", metavar="FILE.toml", help="the configuration with the designed pair added"),
+        WRITES,
     ] = None,
     format: FormatOption = None,
     output: OutputOption = None,

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from coast_cli.cli.options import ConfigArgument
+from coast_cli.cli.paths import WRITES
 from coast_cli.cli.recording_options import (
     BendingLengthOption,
     ColumnsOption,
@@ -32,13 +33,21 @@ def diagnose(
         str | None, typer.Option("--format", "-f", metavar="FORMAT", help="table or json, to stdout")
     ] = None,
     output: Annotated[
-        list[Path] | None, typer.Option("--output", "-o", metavar="FILE", help="write a .txt or .json file; repeatable")
+        list[Path] | None,
+        typer.Option("--output", "-o", metavar="FILE", help="write a .txt or .json file; repeatable"),
+        WRITES,
     ] = None,
     save_model: Annotated[
-        Path | None, typer.Option(metavar="FILE.toml", help="write the corrected model, for stroke, check and compare")
+        Path | None,
+        typer.Option(metavar="FILE.toml", help="write the corrected model, for stroke, check and compare"),
+        WRITES,
     ] = None,
-    plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="draw recording, models and residuals")] = None,
-    report: Annotated[Path | None, typer.Option(metavar="FILE.html", help="write one self-contained page")] = None,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="FILE.png", help="draw recording, models and residuals"), WRITES
+    ] = None,
+    report: Annotated[
+        Path | None, typer.Option(metavar="FILE.html", help="write one self-contained page"), WRITES
+    ] = None,
     fail_on_mismatch: Annotated[
         bool, typer.Option("--fail-on-mismatch", help="exit 1 unless the model agrees within the noise")
     ] = False,

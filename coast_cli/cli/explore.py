@@ -8,13 +8,14 @@ from typing import Annotated
 import typer
 
 from coast_cli.cli.options import ConfigArgument, FormatOption, OutputOption, PlotOption
+from coast_cli.cli.paths import WRITES
 
 
 def explore(
     config: ConfigArgument,
     *,
     every: Annotated[
-        Path | None, typer.Option("--all", metavar="FILE.csv", help="stream every pair here; a rerun resumes")
+        Path | None, typer.Option("--all", metavar="FILE.csv", help="stream every pair here; a rerun resumes"), WRITES
     ] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace the file of --all")] = False,
     jobs: Annotated[int, typer.Option(min=1, max=1024, help="processes on this machine")] = 1,

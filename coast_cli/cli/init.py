@@ -7,9 +7,11 @@ from typing import Annotated
 
 import typer
 
+from coast_cli.cli.paths import WRITES
+
 
 def init(
-    file: Annotated[Path, typer.Argument(help="where to write it; - for stdout")] = Path("tubes.toml"),
+    file: Annotated[Path, typer.Argument(help="where to write it; - for stdout"), WRITES] = Path("tubes.toml"),
     *,
     force: Annotated[bool, typer.Option("--force", help="replace a file that is there")] = False,
 ) -> None:

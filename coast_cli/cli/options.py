@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from coast_cli.cli.paths import READS, WRITES
+
 
 def _to_write(paths: list[Path] | None) -> list[Path] | None:
     """Refuse files that cannot be written before any work is done for them."""
@@ -31,9 +33,11 @@ def _to_draw(path: Path | None) -> Path | None:
     return path
 
 
-ConfigArgument = Annotated[Path, typer.Argument(metavar="CONFIG", help="configuration (TOML)", show_default=False)]
+ConfigArgument = Annotated[
+    Path, typer.Argument(metavar="CONFIG", help="configuration (TOML)", show_default=False), READS
+]
 ConfigsArgument = Annotated[
-    list[Path], typer.Argument(metavar="CONFIG", help="configurations (TOML)", show_default=False)
+    list[Path], typer.Argument(metavar="CONFIG", help="configurations (TOML)", show_default=False), READS
 ]
 FormatOption = Annotated[
     str | None, typer.Option("--format", "-f", metavar="FORMAT", help="table, json or csv, to stdout")
@@ -43,6 +47,7 @@ OutputOption = Annotated[
     typer.Option(
         "--output", "-o", metavar="FILE", help="write a file: .txt, .json or .csv; repeatable", callback=_to_write
     ),
+    WRITES,
 ]
 PairOption = Annotated[
     str | None, typer.Option("--pair", metavar="OUTER/MIDDLE", help="the pair, or one tube; default: joint.pair")
@@ -50,6 +55,7 @@ PairOption = Annotated[
 PlotOption = Annotated[
     Path | None,
     typer.Option("--plot", metavar="FILE", help="also draw a picture: .png, .svg or .pdf", callback=_to_draw),
+    WRITES,
 ]
 
 

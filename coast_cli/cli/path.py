@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from coast_cli.cli.options import ConfigArgument, FormatOption, OutputOption, PairOption, PlotOption
+from coast_cli.cli.paths import READS
 
 
 def path(
@@ -18,10 +19,11 @@ def path(
         typer.Option(
             metavar="FILE.csv", help="arc_length_mm and curvature_per_m (s_mm, kappa_per_mm), or x_mm and y_mm"
         ),
+        READS,
     ],
     pair: PairOption = None,
     model: Annotated[
-        Path | None, typer.Option(metavar="FILE.toml", help="a model with corrections, as --save-model wrote it")
+        Path | None, typer.Option(metavar="FILE.toml", help="a model with corrections, as --save-model wrote it"), READS
     ] = None,
     within: Annotated[
         float, typer.Option(metavar="MM", min=0.0, help="how far the body may be off the path, mm")

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from coast_cli.cli.options import ConfigArgument, FormatOption, OutputOption, numbers
+from coast_cli.cli.paths import READS
 from coast_cli.cli.recording_options import ColumnsOption, RecordedPairOption, renamed_columns
 
 
@@ -15,7 +16,7 @@ def plan(
     config: ConfigArgument,
     *,
     protocol: Annotated[
-        Path | None, typer.Option(metavar="FILE.csv", help="the planned drive: a recording without its response")
+        Path | None, typer.Option(metavar="FILE.csv", help="the planned drive: a recording without its response"), READS
     ] = None,
     drive: Annotated[
         str | None, typer.Option(metavar="LOW:TOP", help="or a load and release: stroke in mm (without tendon, N)")

@@ -7,8 +7,10 @@ from typing import Annotated
 
 import typer
 
+from coast_cli.cli.paths import READS, WRITES
+
 RecordingsArgument = Annotated[
-    list[Path], typer.Argument(metavar="RECORDING...", help="recordings (CSV)", show_default=False)
+    list[Path], typer.Argument(metavar="RECORDING...", help="recordings (CSV)", show_default=False), READS
 ]
 ColumnsOption = Annotated[
     str | None,
@@ -23,7 +25,7 @@ RecordedPairOption = Annotated[
 BendingLengthOption = Annotated[
     float | None, typer.Option("--x2", metavar="MM", help="bending length of recordings without that column")
 ]
-PlotOption = Annotated[Path | None, typer.Option(metavar="FILE.png", help="draw recording against model")]
+PlotOption = Annotated[Path | None, typer.Option(metavar="FILE.png", help="draw recording against model"), WRITES]
 HoldOutOption = Annotated[
     list[str] | None, typer.Option("--hold-out", metavar="RUN", help="a run that is not fitted; repeatable")
 ]

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from coast_cli.cli.options import FormatOption, OutputOption
+from coast_cli.cli.paths import READS
 from coast_cli.cli.recording_options import (
     BendingLengthOption,
     ColumnsOption,
@@ -21,7 +22,7 @@ def recordings(
     recordings: RecordingsArgument,
     *,
     config: Annotated[
-        Path | None, typer.Option(metavar="FILE.toml", help="configuration whose tubes the recordings name")
+        Path | None, typer.Option(metavar="FILE.toml", help="configuration whose tubes the recordings name"), READS
     ] = None,
     columns: ColumnsOption = None,
     pair: RecordedPairOption = None,

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from coast_cli.cli.options import ConfigArgument, PairOption, numbers
+from coast_cli.cli.paths import READS, WRITES
 from coast_cli.cli.recording_options import ColumnsOption, HoldOutOption, renamed_columns
 
 
@@ -16,9 +17,10 @@ def report(
     recordings: Annotated[
         list[Path] | None,
         typer.Argument(metavar="[RECORDING...]", help="recordings (CSV) to diagnose", show_default=False),
+        READS,
     ] = None,
     *,
-    output: Annotated[Path, typer.Option("--output", "-o", metavar="FILE.html", help="the page")],
+    output: Annotated[Path, typer.Option("--output", "-o", metavar="FILE.html", help="the page"), WRITES],
     pair: PairOption = None,
     kappa: Annotated[str, typer.Option(help="curvatures of the stroke table, 1/m: 20 or 20,30 or 0:40:5")] = "0:40:5",
     x2: Annotated[

@@ -7,9 +7,14 @@ from typing import Annotated
 
 import typer
 
+from coast_cli.cli.paths import WRITES
+
 
 def schema(
-    *, output: Annotated[list[Path] | None, typer.Option("--output", "-o", help="write it to a .json file")] = None
+    *,
+    output: Annotated[
+        list[Path] | None, typer.Option("--output", "-o", help="write it to a .json file"), WRITES
+    ] = None,
 ) -> None:
     """Print the JSON Schema (draft 2020-12) of a configuration; editors complete and check TOML with it."""
     import json

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from coast_cli.cli.options import FormatOption, OutputOption, PairOption, PlotOption, numbers
+from coast_cli.cli.paths import Reads
 
 WORKING_COPY = Path("configs/tubes.toml")
 
@@ -16,6 +17,7 @@ def stroke(
     config: Annotated[
         Path | None,
         typer.Argument(metavar="[CONFIG]", help="configuration; else configs/tubes.toml, else the shipped one"),
+        Reads(WORKING_COPY),
     ] = None,
     *,
     kappa: Annotated[str | None, typer.Option(help="curvatures, 1/m: 20 or 20,30 or 0:40:5")] = None,

@@ -8,12 +8,13 @@ from typing import IO, TYPE_CHECKING, Annotated
 import typer
 
 from coast_cli.cli.options import FormatOption, OutputOption
+from coast_cli.cli.paths import READS, Writes
 
 if TYPE_CHECKING:
     from coast_cli.recordings.trace_sequence import Frame
 
 ImagesArgument = Annotated[
-    list[Path], typer.Argument(metavar="IMAGE...", help="photographs of one tube, in order", show_default=False)
+    list[Path], typer.Argument(metavar="IMAGE...", help="photographs of one tube, in order", show_default=False), READS
 ]
 
 
@@ -30,10 +31,14 @@ def trace(
     ] = None,
     points: Annotated[int, typer.Option(help="shape: points from clamp to tip")] = 60,
     drive: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="joint: CSV, a row a frame (stroke_mm, bending_length_mm, ...)")
+        Path | None,
+        typer.Option(metavar="FILE", help="joint: CSV, a row a frame (stroke_mm, bending_length_mm, ...)"),
+        READS,
     ] = None,
     overlay: Annotated[
-        Path | None, typer.Option(metavar="DIR|FILE.png", help="draw the trace on the photograph, to look at")
+        Path | None,
+        typer.Option(metavar="DIR|FILE.png", help="draw the trace on the photograph, to look at"),
+        Writes(lambda given: _overlay_paths(given["overlay"], given["images"])),
     ] = None,
     format: FormatOption = None,
     output: OutputOption = None,
@@ -62,6 +67,8 @@ def trace(
         raise UsageError("--tube belongs to --kind shape; name the tubes of a joint in columns of --drive.")
     place = None if clamp is None else _pixel(clamp)
     pictures = [] if overlay is None else _overlay_paths(overlay, images)
+    if overlay is not None and overlay not in pictures:
+        _make_folder(overlay)
     require_vision()
 
     from coast_cli.recordings.trace_sequence import digest, joint_rows, read_drive, shape_rows, trace_frames
@@ -96,7 +103,7 @@ def _pixel(text: str) -> tuple[float, float]:
 
 
 def _overlay_paths(overlay: Path, images: list[Path]) -> list[Path]:
-    """Where each overlay goes: the one file, or NAME.overlay.png in a folder, which is made if need be."""
+    """Where each overlay goes: the one file, or NAME.overlay.png in a folder."""
     from coast_cli.errors import UsageError
 
     if overlay.suffix.lower() == ".png":
@@ -106,11 +113,16 @@ def _overlay_paths(overlay: Path, images: list[Path]) -> list[Path]:
     paths = [overlay / f"{image.stem}.overlay.png" for image in images]
     if len(set(paths)) < len(paths):
         raise UsageError(f"--overlay {overlay}: two images have the same name, so would their overlays.")
+    return paths
+
+
+def _make_folder(overlay: Path) -> None:
+    from coast_cli.errors import UsageError
+
     try:
         overlay.mkdir(exist_ok=True)
     except OSError as error:
         raise UsageError(f"--overlay {overlay}: cannot be made ({error.strerror or error}).") from None
-    return paths
 
 
 def _draw(frame: Frame, stream: IO[bytes]) -> None:

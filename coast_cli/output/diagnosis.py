@@ -76,9 +76,7 @@ class Outputs:
 
             require_matplotlib()
         named = [path for path in (*self.files, self.model, self.plot, self.report) if path is not None]
-        for place, path in enumerate(named):
-            if path.resolve() in [other.resolve() for other in named[:place]]:
-                raise UsageError(f"{path}: named for two outputs.")
+        for path in named:
             check_folder(path)
 
     @property

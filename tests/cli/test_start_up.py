@@ -45,6 +45,7 @@ def test_ranking_loads_neither_scipy_nor_plots_nor_other_commands(reference):
     assert [name for name in own if name.startswith("coast_cli.cli.")] == [
         "coast_cli.cli.app",
         "coast_cli.cli.options",
+        "coast_cli.cli.paths",
         "coast_cli.cli.rank_pairs",
     ]
     others = ("coast_cli.diagnosis", "coast_cli.recordings", "coast_cli.effects")
