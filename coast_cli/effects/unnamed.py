@@ -52,6 +52,8 @@ COMPONENTS: Mapping[Place, str] = {
 }
 _LARGEST = 1e6
 _SIGNED_MEMORIES = ("relaxation",)
+# Memories whose setting a fit moves, and by which factor at most.
+_SET_FREE: Mapping[Memory, float] = {"relaxation": 5.0, "period": 1.06}
 
 
 @dataclass(frozen=True)
@@ -60,7 +62,8 @@ class UnnamedLaw(Effect):
 
     Attributes:
         number: of the law in its model, from 1. place: stage at which it enters. variable, memory: what it depends on.
-        setting: of the memory: time constant (s), moment (s), or period (in the variable's SI unit); 0 where none.
+        setting: of the memory: time constant (s), moment (s), period (in the variable's SI unit), or 1 for a largest tension
+            that earlier runs left behind too; 0 where none.
         low, high: range of the remembered variable that was seen, SI. weights: amplitudes, in the stage's unit.
         limit: largest amplitude that a fit may give.
     """
@@ -110,10 +113,9 @@ class UnnamedLaw(Effect):
             Parameter(f"weight_{k}", 0.0, low, self.limit, (value or 0.1 * self.limit,), source)
             for k, value in enumerate(self.weights)
         ]
-        if self.setting > 0.0 and self.memory != "step":
-            around = (0.2 * self.setting, 5.0 * self.setting) if self.memory == "relaxation" else (0.9, 1.1)
-            if self.memory == "period":
-                around = (0.95 * self.setting, 1.05 * self.setting)
+        if self.memory in _SET_FREE:
+            reach = _SET_FREE[self.memory]
+            around = self.setting / reach, self.setting * reach
             found.append(Parameter("setting", self.setting, *around, (self.setting,), "around its start", role="shape"))
         return tuple(found)
 
@@ -128,7 +130,7 @@ class UnnamedLaw(Effect):
 
     def values(self) -> tuple[float, ...]:
         """Return amplitudes and setting, in declared order."""
-        return (*self.weights, self.setting) if len(self.parameters) > len(self.weights) else self.weights
+        return (*self.weights, self.setting) if self.memory in _SET_FREE else self.weights
 
     def with_values(self, values: FloatArray) -> Self:
         """Return the law with amplitudes, and the setting where it is fitted, replaced."""
@@ -351,7 +353,8 @@ def remember(series: FloatArray, history: History, memory: Memory, setting: floa
             return np.zeros_like(series)
         return relax(series, history.time, setting, series[0]) - series
     if memory == "maximum":
-        return np.asarray(np.maximum.accumulate(series))
+        before = setting * history.earlier_tension
+        return np.asarray(np.maximum(np.maximum.accumulate(series), before))
     if memory == "path":
         return travelled(series)
     if memory == "step":
