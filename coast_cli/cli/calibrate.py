@@ -14,7 +14,6 @@ from coast_cli.cli.recording_options import (
     ColumnsOption,
     RecordedPairOption,
     RecordingsArgument,
-    renamed_columns,
 )
 
 
@@ -50,11 +49,12 @@ def calibrate(
     from coast_cli.output.atomic import write_files
     from coast_cli.output.provenance import provenance
     from coast_cli.output.write import write_answer
+    from coast_cli.recordings.mapping import mapping_of
     from coast_cli.recordings.read import read_recordings
     from coast_cli.spec.load import load_config
 
     document = load_config(config)
-    read = read_recordings(recordings, document, columns=renamed_columns(columns), pair=pair, bending_length_mm=x2)
+    read = read_recordings(recordings, document, columns=mapping_of(columns), pair=pair, bending_length_mm=x2)
     names = [name.strip() for name in fit.split(",")] if fit else []
     calibration = calibration_of(document, read, names, hold_out or ())
     models = [path for path in output or () if path.suffix.lower() == ".toml"]

@@ -15,7 +15,6 @@ from coast_cli.cli.recording_options import (
     PlotOption,
     RecordedPairOption,
     RecordingsArgument,
-    renamed_columns,
 )
 
 
@@ -38,11 +37,12 @@ def compare(
     from coast_cli.output.answer import Answer
     from coast_cli.output.provenance import provenance
     from coast_cli.output.write import write_answer
+    from coast_cli.recordings.mapping import mapping_of
     from coast_cli.recordings.read import read_recordings
     from coast_cli.spec.load import load_config
 
     document = load_config(config)
-    read = read_recordings(recordings, document, columns=renamed_columns(columns), pair=pair, bending_length_mm=x2)
+    read = read_recordings(recordings, document, columns=mapping_of(columns), pair=pair, bending_length_mm=x2)
     documents = (document,) if model is None else (document, load_config(model))
     comparison = errors_of(documents[-1], read)
     notes = read.notes

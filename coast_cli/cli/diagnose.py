@@ -15,7 +15,6 @@ from coast_cli.cli.recording_options import (
     HoldOutOption,
     RecordedPairOption,
     RecordingsArgument,
-    renamed_columns,
 )
 
 
@@ -61,13 +60,14 @@ def diagnose(
     from coast_cli.output.provenance import provenance
     from coast_cli.output.waiting import waiting
     from coast_cli.output.write import say
+    from coast_cli.recordings.mapping import mapping_of
     from coast_cli.recordings.read import read_recordings
     from coast_cli.spec.load import load_config
 
     outputs = Outputs(format, tuple(output or ()), save_model, plot, report)
     outputs.check()
     document = load_config(config)
-    read = read_recordings(recordings, document, columns=renamed_columns(columns), pair=pair, bending_length_mm=x2)
+    read = read_recordings(recordings, document, columns=mapping_of(columns), pair=pair, bending_length_mm=x2)
     with waiting(f"diagnosing {', '.join(read.run_names[:3])}{' ...' if len(read.run_names) > 3 else ''}"):
         found = diagnosis_of(document, read, named_hold_out=hold_out or (), most_effects=max_effects)
     options = {"max_effects": max_effects, "hold_out": list(hold_out or ())}

@@ -9,7 +9,7 @@ import typer
 
 from coast_cli.cli.options import ConfigArgument, FormatOption, OutputOption, numbers
 from coast_cli.cli.paths import READS
-from coast_cli.cli.recording_options import ColumnsOption, RecordedPairOption, renamed_columns
+from coast_cli.cli.recording_options import ColumnsOption, RecordedPairOption
 
 
 def plan(
@@ -56,7 +56,9 @@ def plan(
     document = load_config(config)
     wanted = Plan(response, noise, tension_noise, size, pair)
     if protocol is not None:
-        runs, notes = wanted.read(protocol, document, lengths, renamed_columns(columns))
+        from coast_cli.recordings.mapping import mapping_of
+
+        runs, notes = wanted.read(protocol, document, lengths, mapping_of(columns))
     else:
         runs, notes = wanted.sweep(document, str(drive), lengths, rate, hold), ()
     rows, said = plan_rows(document, runs, wanted)

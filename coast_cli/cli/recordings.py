@@ -14,7 +14,6 @@ from coast_cli.cli.recording_options import (
     ColumnsOption,
     RecordedPairOption,
     RecordingsArgument,
-    renamed_columns,
 )
 
 
@@ -34,6 +33,7 @@ def recordings(
     from coast_cli.output.answer import Answer
     from coast_cli.output.provenance import provenance
     from coast_cli.output.write import write_answer
+    from coast_cli.recordings.mapping import mapping_of
     from coast_cli.recordings.read import read_recordings
     from coast_cli.recordings.summary import can_decide, summary_rows
     from coast_cli.spec.load import load_config
@@ -42,7 +42,7 @@ def recordings(
     read = read_recordings(
         recordings,
         documents[0] if documents else None,
-        columns=renamed_columns(columns),
+        columns=mapping_of(columns),
         pair=pair,
         bending_length_mm=x2,
     )

@@ -9,7 +9,7 @@ import typer
 
 from coast_cli.cli.options import ConfigArgument, PairOption, numbers
 from coast_cli.cli.paths import READS, WRITES
-from coast_cli.cli.recording_options import ColumnsOption, HoldOutOption, renamed_columns
+from coast_cli.cli.recording_options import ColumnsOption, HoldOutOption
 
 
 def report(
@@ -50,6 +50,7 @@ def report(
     from coast_cli.output.report_contents import Wanted, contents
     from coast_cli.output.waiting import waiting
     from coast_cli.output.write import say
+    from coast_cli.recordings.mapping import mapping_of
     from coast_cli.recordings.read import read_recordings
     from coast_cli.spec.build import build
     from coast_cli.spec.load import load_config
@@ -63,9 +64,7 @@ def report(
     read = None
     if recordings:
         single = lengths[0] if lengths is not None and len(lengths) == 1 else None
-        read = read_recordings(
-            recordings, document, columns=renamed_columns(columns), pair=pair, bending_length_mm=single
-        )
+        read = read_recordings(recordings, document, columns=mapping_of(columns), pair=pair, bending_length_mm=single)
     wanted = Wanted(
         pair,
         curvatures,

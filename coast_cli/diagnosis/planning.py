@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,6 +15,7 @@ from coast_cli.errors import BadInput, UsageError
 from coast_cli.units import DEGREE, MILLIMETRE
 
 if TYPE_CHECKING:
+    from coast_cli.recordings.mapping import ColumnMapping
     from coast_cli.recordings.model import JointRun
     from coast_cli.spec.config import Config
 
@@ -36,7 +37,7 @@ class Plan:
     pair: str | None
 
     def read(
-        self, path: Path, config: Config, lengths: Sequence[float], columns: Mapping[str, str]
+        self, path: Path, config: Config, lengths: Sequence[float], columns: ColumnMapping
     ) -> tuple[tuple[JointRun, ...], tuple[str, ...]]:
         """Return the runs of a protocol file, and notes.
 

@@ -21,7 +21,7 @@ from coast_cli.effects.stations import Stations, branch, stations_for
 from coast_cli.mechanics.joint import Joint
 from coast_cli.mechanics.section import FloatArray
 
-ResponseKind = Literal["curvature", "bend", "notch"]
+ResponseKind = Literal["curvature", "bend", "notch", "position", "force"]
 
 # Distinct bending lengths tabulated one by one; a run that slides X2 continuously is interpolated between this many.
 _MOST_LENGTHS = 9

@@ -76,7 +76,7 @@ def find_branches(drive: Floats, time: Floats | None = None) -> Branches:
     drive = np.asarray(drive, dtype=np.float64)
     noise = _drive_noise(drive)
     travel = float(np.ptp(drive))
-    if travel <= 4.0 * noise or travel == 0.0:
+    if travel <= _range_of_noise(len(drive)) * noise or travel == 0.0:
         direction = np.zeros(len(drive), dtype=np.int64)
     else:
         exact = noise < 1e-3 * STAIR_IN_TRAVEL * travel
@@ -102,6 +102,11 @@ def _drive_noise(drive: Floats) -> float:
         difference = np.diff(drive, order)
         levels.append(float(np.median(np.abs(difference - np.median(difference)))) / np.sqrt(gain))
     return float(min(levels) / 0.6744897501960817)
+
+
+def _range_of_noise(count: int) -> float:
+    """Return what the range of so many samples of white noise hardly exceeds, in what is taken for its deviation."""
+    return 3.0 * float(np.sqrt(2.0 * np.log(max(count, 2))))
 
 
 def difference_noise(values: Floats) -> float:

@@ -7,26 +7,31 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 from coast_cli.errors import nearest
-from coast_cli.units import ANGLE, CURVATURE, FORCE, LENGTH, TIME
+from coast_cli.units import ANGLE, CURVATURE, FORCE, LENGTH, MOMENT, TIME
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from coast_cli.recordings.model import ResponseKind
     from coast_cli.recordings.table import Table
 
-QUANTITIES: dict[str, Mapping[str, float]] = {
+QUANTITIES: dict[str, Mapping[str, float]] = {  # by what a column's name begins with; `load` is both of its kinds
     "time": TIME,
     "bending_length": LENGTH,
     "stroke": LENGTH,
     "tension": FORCE,
     "curvature": CURVATURE,
     "bend": ANGLE,
+    "position": LENGTH,
+    "force": FORCE,
+    "load": FORCE | MOMENT,
     "x": LENGTH,
     "y": LENGTH,
 }
 TEXTS = ("run", "outer", "middle", "tube", "natural")
-RESPONSES = ("notch", "curvature", "bend")
-JOINT = {"run", "time", "outer", "middle", "bending_length", "stroke", "tension", "curvature", "bend", "notch"}
+RESPONSES: tuple[ResponseKind, ...] = ("notch", "curvature", "bend", "position", "force")
+DRIVES = ("stroke", "tension")
+JOINT = {"run", "time", "outer", "middle", "bending_length", "load", "load_moment", *DRIVES, *RESPONSES}
 SHAPE = {"run", "outer", "middle", "tube", "natural", "x", "y"}
 NOTCH = re.compile(r"notch_(\d{1,6})(?:_(.*))?")
 MOST_NAMED = 20  # unknown columns that are named one by one
@@ -41,6 +46,11 @@ class Column:
     quantity: str
     factor: float = 1.0
     notch: int = 0
+
+    @property
+    def is_text(self) -> bool:
+        """Whether its cells are names, not numbers."""
+        return self.quantity in TEXTS
 
 
 @dataclass(frozen=True)
@@ -59,20 +69,16 @@ def known_names() -> list[str]:
     return [*TEXTS, *names, *("notch_1" + suffix for suffix in ANGLE)]
 
 
-def find_layout(table: Table, renamed: Mapping[str, str] | None = None) -> Layout:
+def find_layout(table: Table) -> Layout:
     """Say which column of a table is which quantity.
-
-    Args:
-        table: the file.
-        renamed: our name -> the file's own name, from ``--columns``.
 
     Raises:
         BadInput: a name twice, a unit that is not known, a needed column missing, notches not numbered from 1.
     """
-    found, wrong, unknown = _recognise(table, renamed or {})
+    found, wrong, unknown = _recognise(table)
     kind = _kind(table, found, wrong)
     used = JOINT if kind == "joint" else SHAPE
-    _refuse_wrong_units(table, {column.quantity for column in found}, wrong, used)
+    _refuse_wrong_units(table, {column.quantity for column in found}, wrong, kind)
     unknown += [column.name for column in found if column.quantity not in used] + [name for name, _, _ in wrong]
     columns = _once_each(table, [column for column in found if column.quantity in used and not column.notch])
     notches = _notches(table, [column for column in found if column.notch]) if kind == "joint" else ()
@@ -88,58 +94,35 @@ def find_layout(table: Table, renamed: Mapping[str, str] | None = None) -> Layou
     if spare:
         notes.append(f"{table.path}: the response is read from {present[0]}; {', '.join(spare)} is not used.")
     if kind == "joint" and not present:
-        raise table.error("no response column", allowed="curvature_per_m, bend_deg or notch_1_deg ... notch_n_deg")
+        allowed = "curvature_per_m, bend_deg or notch_1_deg ... notch_n_deg; position_mm or force_n of other devices"
+        raise table.error("no response column", allowed=allowed)
     if kind == "joint" and not {"stroke", "tension"} & set(columns):
         raise table.error("no drive column", allowed="stroke_mm or tension_n")
     return Layout(kind, columns, notches, tuple(notes))
 
 
-def _recognise(table: Table, renamed: Mapping[str, str]) -> tuple[list[Column], list[tuple[str, str, str]], list[str]]:
+def _recognise(table: Table) -> tuple[list[Column], list[tuple[str, str, str]], list[str]]:
     """Return recognised columns, (name, quantity, rest) of names with a unit that is not known, and unknown names."""
-    given = _renamed_columns(table, renamed)
     found: list[Column] = []
     wrong: list[tuple[str, str, str]] = []
     unknown: list[str] = []
-    replaced = {column.quantity if not column.notch else (column.quantity, column.notch) for column in given}
-    taken = {column.name for column in given}
     for name in table.names:
-        if name in taken:
-            continue
-        column = _parse(name)
+        column = parse(name)
         if isinstance(column, Column):
-            key = column.quantity if not column.notch else (column.quantity, column.notch)
-            (unknown.append(name) if key in replaced else found.append(column))
+            found.append(column)
         elif column:
             wrong.append((name, *column))
         else:
             unknown.append(name)
-    return given + found, wrong, unknown
+    return found, wrong, unknown
 
 
-def _renamed_columns(table: Table, renamed: Mapping[str, str]) -> list[Column]:
-    columns = []
-    for ours, theirs in renamed.items():
-        column = _parse(ours)
-        if not isinstance(column, Column):
-            raise table.error(
-                "--columns names no column of ours",
-                found=ours,
-                allowed="such as stroke_mm=X1",
-                hint=nearest(ours, known_names())
-                or (f"Ours comes first: {theirs}={ours}." if _parse(theirs) else None),
-            )
-        if theirs in table.names:
-            columns.append(Column(theirs, column.quantity, column.factor, column.notch))
-        elif ours not in table.names:
-            raise table.error(
-                f"--columns {ours}={theirs} names a column that the file does not have",
-                found=", ".join(table.names),
-                hint=nearest(theirs, table.names) or None,
-            )
-    return columns
+def key_of(column: Column) -> tuple[str, int]:
+    """Return what no two columns of a recording may both be: the quantity, and the notch it belongs to."""
+    return column.quantity, column.notch
 
 
-def _parse(name: str) -> Column | tuple[str, str] | None:
+def parse(name: str) -> Column | tuple[str, str] | None:
     """Return the column, (quantity, rest) when only its unit is not known, or None."""
     lower = name.lower()
     if lower in TEXTS:
@@ -152,13 +135,14 @@ def _parse(name: str) -> Column | tuple[str, str] | None:
             return quantity, ""
         if lower.startswith(quantity + "_"):
             rest = lower[len(quantity) :]
-            return Column(name, quantity, suffixes[rest]) if rest in suffixes else (quantity, rest)
+            what = "load_moment" if quantity == "load" and rest in MOMENT else quantity
+            return Column(name, what, suffixes[rest]) if rest in suffixes else (quantity, rest)
     return None
 
 
 def _kind(table: Table, found: list[Column], wrong: list[tuple[str, str, str]]) -> Kind:
     for quantities in ({column.quantity for column in found}, {quantity for _, quantity, _ in wrong}):
-        if quantities & {"stroke", "tension", "curvature", "bend", "notch"}:
+        if quantities & {*DRIVES, *RESPONSES}:
             return "joint"
         if quantities & {"x", "y"}:
             return "shape"
@@ -166,20 +150,23 @@ def _kind(table: Table, found: list[Column], wrong: list[tuple[str, str, str]]) 
         "neither a joint recording nor a shape",
         found=", ".join(table.names),
         allowed="a drive and a response (stroke_mm, curvature_per_m), or x_mm and y_mm",
-        hint="Foreign names come in with --columns stroke_mm=X1,curvature_per_m=kappa.",
+        hint="Foreign names come in with --columns stroke_mm=X1,curvature_per_m=kappa, or --columns FILE.toml.",
     )
 
 
-def _refuse_wrong_units(table: Table, found: set[str], wrong: list[tuple[str, str, str]], used: set[str]) -> None:
+def _refuse_wrong_units(table: Table, found: set[str], wrong: list[tuple[str, str, str]], kind: Kind) -> None:
+    """Refuse a unit that is not known where the column is needed; elsewhere the column is not used, and that is said."""
+    needed = [DRIVES, RESPONSES, ("bending_length",)] if kind == "joint" else [("x",), ("y",)]
+    missing = {name for group in needed if not found & set(group) for name in group}
     for name, quantity, rest in wrong:
-        if quantity in used and quantity not in found:
+        if quantity in missing:
             suffixes = ANGLE if quantity == "notch" else QUANTITIES[quantity]
             raise table.error(
                 f"{quantity} {'with a unit that is not known' if rest.strip('_') else 'without a unit'}",
                 name=name,
                 allowed=" ".join(quantity + suffix for suffix in suffixes),
             )
-    if "x" in used:
+    if kind == "shape":
         for quantity in ("x", "y"):
             if quantity not in found:
                 raise table.error("a column is missing", found=", ".join(table.names), allowed=f"{quantity}_mm")

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Integers = NDArray[np.int64]
 
-ResponseKind = Literal["curvature", "bend", "notch"]
+ResponseKind = Literal["curvature", "bend", "notch", "position", "force"]
 Natural = Literal["up", "down"]
 
 
@@ -33,12 +33,15 @@ class JointRun:
         line: line of each sample in that file, [n], counted from 1.
         time: [n] s, or None where the recording has no clock.
         outer: name of the outer tube, or None for a joint of one notched tube.
-        middle: name of the middle tube.
-        bending_length: X2, [n] m.
+        middle: name of the middle tube; empty for a device without tubes.
+        bending_length: X2, [n] m; NaN for a device without one.
         stroke: X1 as commanded, deadband included, [n] m, or None for a joint driven by tension.
         tension: at the actuator, [n] N, or None.
         response: [n, k], NaN where the frame was dropped; k = 1, or the number of notches for ``kind = "notch"``.
-        kind: "curvature" (1/m), "bend" of the whole segment (rad), or "notch", the bend of each from the clamp (rad).
+        kind: "curvature" (1/m), "bend" of the whole segment (rad), "notch", the bend of each from the clamp (rad), or of
+            other devices "position" (m) and "force" (N).
+        load: force that the far end carries, [n] N, or None.
+        load_moment: moment that the far end carries, [n] N m, or None.
     """
 
     name: str
@@ -52,6 +55,8 @@ class JointRun:
     tension: Floats | None
     response: Floats
     kind: ResponseKind
+    load: Floats | None = None
+    load_moment: Floats | None = None
 
     def __len__(self) -> int:
         """Return the number of samples."""

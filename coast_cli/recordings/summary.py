@@ -7,20 +7,22 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from coast_cli.recordings.evidence import RATES_DIFFER, Evidence, evidence_of
 from coast_cli.recordings.noise import MOST_SAMPLES, Series, pooled_noise, run_noise
 from coast_cli.units import DEGREE, MILLIMETRE
 
 if TYPE_CHECKING:
-    from coast_cli.recordings.model import JointRun, Recordings, ShapeRun
+    from coast_cli.recordings.model import JointRun, Recordings, ResponseKind, ShapeRun
 
     Row = dict[str, str | float | int | None]
 
-UNITS = {"curvature": ("curvature_per_m", 1.0), "bend": ("bend_deg", DEGREE), "notch": ("notch_deg", DEGREE)}
-SHORTEST_BRANCH = 5
-SAME_LENGTH = 0.02
-SAME_RATE = 1.5
-LONG_MOVE = 0.25
-SAME_DRIVE = 0.05
+UNITS: dict[ResponseKind, tuple[str, float]] = {
+    "curvature": ("curvature_per_m", 1.0),
+    "bend": ("bend_deg", DEGREE),
+    "notch": ("notch_deg", DEGREE),
+    "position": ("position_mm", MILLIMETRE),
+    "force": ("force_n", 1.0),
+}
 NOISE_BUDGET, FEWEST_FOR_NOISE = 40_000, 400  # samples over all runs, and in one
 
 
@@ -37,17 +39,18 @@ def _joint_row(run: JointRun, most_samples: int) -> Row:
     response, unit = UNITS[run.kind]
     drive, drive_unit = ("stroke_mm", MILLIMETRE) if run.stroke is not None else ("tension_n", 1.0)
     noise = run_noise(run, most_samples=most_samples)
+    has_length = bool(np.isfinite(run.bending_length).all())
     seconds = None if run.time is None else float(run.time[-1] - run.time[0])
     return {
         "run": run.name,
-        "pair": run.pair,
+        "pair": run.pair or None,
         "n": len(run),
         "dropped": int((~run.valid).sum()),
         "drive": drive,
         "drive_from": float(run.drive.min()) / drive_unit,
         "drive_to": float(run.drive.max()) / drive_unit,
-        "bending_length_from_mm": float(run.bending_length.min()) / MILLIMETRE,
-        "bending_length_to_mm": float(run.bending_length.max()) / MILLIMETRE,
+        "bending_length_from_mm": float(run.bending_length.min()) / MILLIMETRE if has_length else None,
+        "bending_length_to_mm": float(run.bending_length.max()) / MILLIMETRE if has_length else None,
         "response": response,
         "response_to": float(np.nanmax(np.abs(run.response))) / unit,
         "load": int((run.direction > 0).sum()),
@@ -118,76 +121,61 @@ def can_decide(recordings: Recordings) -> tuple[str, ...]:
 def _about_joints(runs: Sequence[JointRun]) -> list[str]:
     if not runs:
         return []
-    return [sentence for about in (_history, _clock, _lengths, _drives, _repeats, _noise) for sentence in about(runs)]
+    held = evidence_of(runs)
+    has_tubes = any(run.pair for run in runs)
+    sentences = [*_history(held), *_clock(held)]
+    if has_tubes:
+        sentences += [*_lengths(held), *_drives(held)]
+    elif not held.loads:
+        sentences.append("no load is recorded: stretch cannot be told from the ratio, nor friction from play by load.")
+    return [*sentences, *_repeats(held), *_noise(runs)]
 
 
-def _history(runs: Sequence[JointRun]) -> list[str]:
-    released = [run for run in runs if (run.direction < 0).sum() >= SHORTEST_BRANCH]
-    holds = any(len(run.branches.holds) and (run.direction == 0).sum() >= SHORTEST_BRANCH for run in runs)
-    cycles = max(run.branches.cycles for run in runs)
+def _history(held: Evidence) -> list[str]:
     found = []
-    if not released:
+    if not held.has_release:
         found.append("loading only: friction, play and what else shows on release cannot be decided; record a release.")
     else:
-        found.append(f"release is recorded in {len(released)} of {len(runs)} runs: friction and play can be decided.")
-        if cycles < 2:
+        found.append(f"release is recorded in {held.released} of {held.runs} runs: friction and play can be decided.")
+        if held.cycles < 2:
             found.append(
                 "no run loads a second time: slack or set that the first load leaves behind cannot be decided."
             )
-    if not holds:
+    if not held.holds:
         found.append("the drive never holds: creep cannot be decided; hold the largest stroke for a minute.")
     return found
 
 
-def _clock(runs: Sequence[JointRun]) -> list[str]:
-    untimed = [run for run in runs if run.time is None]
-    if untimed:
-        where = "no clock" if len(untimed) == len(runs) else f"no clock in {len(untimed)} of {len(runs)} runs"
+def _clock(held: Evidence) -> list[str]:
+    if not held.has_clock:
+        where = "no clock" if held.untimed == held.runs else f"no clock in {held.untimed} of {held.runs} runs"
         return [f"{where}: nothing about rate or time (lag, creep, drift) can be concluded."]
-    rates = []
-    for run in runs:
-        for part in run.branches.moves:
-            stretch = slice(part.start, part.stop)
-            seconds = float(np.ptp(run.time[stretch])) if run.time is not None else 0.0
-            travel = float(np.ptp(run.drive[stretch]))
-            if seconds > 0.0 and travel > LONG_MOVE * float(np.ptp(run.drive)):
-                rates.append(travel / seconds)
-    if len(rates) > 1 and max(rates) > SAME_RATE * min(rates):
-        return [f"rates differ by {max(rates) / min(rates):.1f} times: a lag of the camera can be told from friction."]
+    if held.rate_ratio > RATES_DIFFER:
+        return [f"rates differ by {held.rate_ratio:.1f} times: a lag of the camera can be told from friction."]
+    if held.has_rates:
+        return ["one rate, and a hold: a lag of the camera can be told from friction."]
     return ["one rate only: a lag of the camera cannot be told from friction; repeat a loop at a third of the speed."]
 
 
-def _lengths(runs: Sequence[JointRun]) -> list[str]:
-    by_pair: dict[str, list[JointRun]] = {}
-    for run in runs:
-        by_pair.setdefault(run.pair, []).append(run)
-    spans = [np.concatenate([run.bending_length for run in members]) for members in by_pair.values()]
-    widest = max(spans, key=lambda lengths: float(np.ptp(lengths) / lengths.max()))
-    if np.ptp(widest) < SAME_LENGTH * widest.max():
+def _lengths(held: Evidence) -> list[str]:
+    if not held.has_lengths or held.lengths is None:
         return ["one bending length: notch friction and an offset of X2 hide in the modulus; record a second X2."]
-    low, high = widest.min() / MILLIMETRE, widest.max() / MILLIMETRE
+    low, high = (length / MILLIMETRE for length in held.lengths)
     return [f"bending lengths from {low:g} to {high:g} mm: notch friction can be told from the modulus."]
 
 
-def _drives(runs: Sequence[JointRun]) -> list[str]:
-    if all(run.stroke is None for run in runs):
+def _drives(held: Evidence) -> list[str]:
+    if not held.strokes:
         return ["driven by tension: nothing about the tendon's stretch or the deadband can be decided."]
-    if any(run.stroke is not None and run.tension is None for run in runs):
+    if held.tensions < held.strokes:
         return ["stroke without tension: joint modulus, pulley friction and tendon modulus are one product."]
     return ["stroke and tension: the tendon's stretch can be told from what bends the tubes."]
 
 
-def _repeats(runs: Sequence[JointRun]) -> list[str]:
-    if len(runs) == 1:
+def _repeats(held: Evidence) -> list[str]:
+    if held.runs == 1:
         return ["one run: held out are blocks of it, which is weaker than a run of its own."]
-    groups: dict[tuple[str, int], list[float]] = {}
-    for run in runs:
-        key = (run.pair, round(float(np.median(run.bending_length)) * 1e4))
-        groups.setdefault(key, []).append(float(run.drive.max()))
-    repeated = max(
-        sum(abs(one - other) <= SAME_DRIVE * abs(one) for other in group) for group in groups.values() for one in group
-    )
-    return [f"{repeated} runs repeat one another: one of them can be held out."] if repeated > 1 else []
+    return [f"{held.repeats} runs repeat one another: one of them can be held out."] if held.repeats > 1 else []
 
 
 def _noise(runs: Sequence[JointRun]) -> list[str]:

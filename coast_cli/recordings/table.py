@@ -1,4 +1,4 @@
-"""A CSV file as columns of cells, found by numpy in one pass over its bytes; nothing here knows what a column means.
+"""A file of text as columns of cells, found by numpy in one pass over its bytes; nothing here knows what a column means.
 
 Separators are found with array operations, so that a million rows take about a second; a cell that is not a number is
 looked for one by one only after the fast conversion has failed, to name its line and column.
@@ -12,7 +12,8 @@ import io
 import os
 import re
 from collections import Counter
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
@@ -43,6 +44,33 @@ GROUPED = re.compile(r"[+-]?[0-9]{1,3}(\.[0-9]{3})+")  # beside decimal commas: 
 GUARDED = re.compile(r"'(?=[=+\-@])")  # the mark that keeps our own CSV files from being formulas
 
 
+@dataclass(frozen=True)
+class Dialect:
+    """How a file of text is laid out, where it is not a header and then rows.
+
+    Attributes:
+        skip: lines before the header.
+        comment: what a line begins with that is no row, or None.
+        names: of the columns, for a file without a header.
+        units_row: whether the line after the header says units.
+    """
+
+    skip: int = 0
+    comment: str | None = None
+    names: tuple[str, ...] | None = None
+    units_row: bool = False
+
+
+@dataclass(frozen=True)
+class Origin:
+    """What a column was made from: its name and its place (from 1) in the file; value = scale * number + offset."""
+
+    name: str
+    place: int | None
+    scale: float = 1.0
+    offset: float = 0.0
+
+
 @dataclass(frozen=True, eq=False)
 class Table:
     """A header and its cells.
@@ -54,7 +82,8 @@ class Table:
         header_line: line of the header.
         line: line of each row, [n].
         decimal: the decimal mark, "." or ",".
-        cells: for each column, [n] byte strings, stripped of nothing.
+        columns: for each column, [n] byte strings, stripped of nothing, or [n] numbers.
+        origins: what columns were made from, for those that a mapping made.
     """
 
     path: str
@@ -63,7 +92,8 @@ class Table:
     header_line: int
     line: Integers
     decimal: str
-    columns: tuple[Cells, ...]
+    columns: tuple[Cells | Floats, ...]
+    origins: Mapping[str, Origin] = field(default_factory=dict)
 
     @cached_property
     def index(self) -> dict[str, int]:
@@ -76,13 +106,22 @@ class Table:
         Raises:
             BadInput: a cell is empty, not a number or beyond `LARGEST_NUMBER`; says file, line and column.
         """
+        values = self._parsed(name, may_be_missing=may_be_missing)
+        origin = self.origins.get(name)
+        if origin is None or (origin.scale, origin.offset) == (1.0, 0.0):
+            return values
+        return origin.scale * values + origin.offset
+
+    def _parsed(self, name: str, *, may_be_missing: bool) -> Floats:
         index = self.index[name]
-        cells = self.columns[index]
+        if self.columns[index].dtype.kind == "f":
+            return self._checked(name, self.columns[index].astype(np.float64), may_be_missing=may_be_missing)
+        cells = self.columns[index].astype(np.bytes_, copy=False)
         missing = np.isin(np.char.strip(cells), MISSING) if may_be_missing else np.zeros(len(cells), dtype=bool)
         width = cells.dtype.itemsize
         matrix = np.where(missing, b"0", cells).astype(cells.dtype).view(np.uint8).reshape(len(cells), width)
         if self.decimal == ",":
-            self._refuse_grouped(index)
+            self._refuse_grouped(name, cells)
             matrix[matrix == ord(",")] = ord(".")
         if IN_NUMBERS[matrix].all():
             try:
@@ -95,31 +134,44 @@ class Table:
                     return values
         raise self._first_bad_cell(index, missing)
 
+    def _checked(self, name: str, values: Floats, *, may_be_missing: bool) -> Floats:
+        wrong = ~(np.abs(values) <= LARGEST_NUMBER) & ~(np.isnan(values) if may_be_missing else False)
+        if wrong.any():
+            row = int(np.argmax(wrong))
+            allowed = f"a number up to {LARGEST_NUMBER:g}"
+            raise self.error("not a number", name=name, row=row, found=f"{values[row]:g}", allowed=allowed)
+        return values
+
     def texts(self, name: str) -> tuple[Integers, tuple[str, ...]]:
         """Return a text column as the row where each stretch of equal cells starts, and that cell's text."""
         cells = self.columns[self.index[name]]
         starts = np.concatenate(([0], 1 + np.flatnonzero(cells[1:] != cells[:-1])))
-        return starts, tuple(GUARDED.sub("", cell.decode("utf-8").strip(), 1) for cell in cells[starts].tolist())
+        return starts, tuple(_text(cell) for cell in cells[starts].tolist())
 
     def error(self, message: str, *, name: str | None = None, row: int | None = None, **facts: str | None) -> BadInput:
         """Return an error that says file, line and column of a cell, or of the header when ``row`` is None."""
+        place = None if name not in self.index else self.index[name] + 1
+        origin = None if name is None else self.origins.get(name)
         return BadInput(
             message,
             file=self.path,
             line=self.header_line if row is None else int(self.line[row]),
-            column=None if name not in self.index else self.index[name] + 1,
-            key=name,
+            column=place if origin is None else origin.place,
+            key=name if origin is None else origin.name,
             **facts,
         )
 
-    def _refuse_grouped(self, index: int) -> None:
+    def only(self, rows: NDArray[np.bool_]) -> Table:
+        """Return the table with the rows that are True, [n]."""
+        return replace(self, line=self.line[rows], columns=tuple(cells[rows] for cells in self.columns))
+
+    def _refuse_grouped(self, name: str, cells: Cells) -> None:
         """Refuse ``1.000`` beside decimal commas: it may be a thousand, or one."""
-        cells = self.columns[index]
         for row in np.flatnonzero(np.char.count(cells, b".")).tolist():
             text = cells[row].decode("utf-8").strip()
             if GROUPED.fullmatch(text):
                 allowed = "a number without points between thousands, as this file has decimal commas"
-                raise self.error("a thousand or one", name=self.names[index], row=row, found=text, allowed=allowed)
+                raise self.error("a thousand or one", name=name, row=row, found=text, allowed=allowed)
 
     def _first_bad_cell(self, index: int, missing: NDArray[np.bool_]) -> BadInput:
         name = self.names[index]
@@ -138,6 +190,10 @@ class Table:
         return self.error("a cell that is not a number", name=name)
 
 
+def _text(cell: bytes | float) -> str:
+    return GUARDED.sub("", cell.decode("utf-8").strip(), 1) if isinstance(cell, bytes) else f"{cell:g}"
+
+
 def _is_number(text: str) -> bool:
     try:
         value = float(text)
@@ -146,15 +202,15 @@ def _is_number(text: str) -> bool:
     return bool(np.isfinite(value)) and "_" not in text and text.isascii()
 
 
-def read_table(path: str | Path) -> Table:
-    """Read a CSV file: UTF-8 with or without a byte order mark, any line ending, comma, semicolon or tab between cells.
+def read_table(path: str | Path, dialect: Dialect = Dialect()) -> Table:  # it is frozen
+    """Read a file of text: UTF-8 with or without a byte order mark, any line ending; comma, semicolon, tab or spaces.
 
-    With semicolons a comma in a number is a decimal comma. Blank lines are skipped.
+    With semicolons, tabs or spaces between cells a comma in a number is a decimal comma. Blank lines are skipped.
 
     Raises:
         BadInput: the file cannot be read, is too large, is not UTF-8, is empty, or a row has another number of cells.
     """
-    data = _bytes_of(path)
+    data = bytes_of(path)
     digest = hashlib.sha256(data).hexdigest()
     data = data.removeprefix(b"\xef\xbb\xbf")
     try:
@@ -164,14 +220,14 @@ def read_table(path: str | Path) -> Table:
         raise BadInput("not UTF-8 text", file=path, line=line, hint="Save it as a CSV file in UTF-8.") from None
     if RETURN in data:
         data = data.replace(b"\r\n", NEWLINE).replace(RETURN, NEWLINE)
-    skipped = len(data) - len(data.lstrip(NEWLINE))
-    head, _, body = data[skipped:].partition(NEWLINE)
-    if not head.strip():
-        raise BadInput("the file is empty", file=path, allowed="one header row and at least two rows of numbers")
-    header_line = skipped + 1
-    separator = max(",;\t", key=head.decode("utf-8").count)
-    header = next(_read(csv.reader([head.decode("utf-8")], delimiter=separator), str(path)))
-    names = tuple(name.strip() for name in header)
+    head, body, header_line = _header(data, dialect, path)
+    separator = _separator(head.decode("utf-8"))
+    if separator == " ":
+        head, body = (_one_space(part) for part in (head, body))
+    names = dialect.names
+    if names is None:
+        header = next(_read(csv.reader([head.decode("utf-8")], delimiter=separator), str(path)))
+        names = tuple(name.strip() for name in header)
     if body and not body.endswith(NEWLINE):
         body += NEWLINE
     counts = Counter(names)
@@ -179,15 +235,49 @@ def read_table(path: str | Path) -> Table:
     if twice:
         raise BadInput("two columns have the same name", file=path, line=header_line, found=twice)
     split = _split_quoted if QUOTE in body else _split
-    columns, lines = split(body, separator, len(names), str(path), header_line + 1)
+    columns, lines = split(body, separator, len(names), str(path), header_line + (dialect.names is None))
+    first = 1 if dialect.units_row else 0
+    columns, lines = tuple(cells[first:] for cells in columns), lines[first:]
     if len(lines) == 0:
         raise BadInput("a header and no rows", file=path, line=header_line, allowed="at least two rows of numbers")
-    decimal = "," if separator == ";" and any(map(_has_decimal_comma, columns)) else "."
+    decimal = "," if separator != "," and any(map(_has_decimal_comma, columns)) else "."
     table = Table(str(path), digest, names, header_line, lines, decimal, columns)
     return _without_unnamed(table)
 
 
-def _bytes_of(path: str | Path) -> bytes:
+def _header(data: bytes, dialect: Dialect, path: str | Path) -> tuple[bytes, bytes, int]:
+    """Return the header, or the first row where there is none; the rows; and the line of the header, from 1."""
+    at = 0
+    for _ in range(dialect.skip):
+        at = 1 + data.find(NEWLINE, at) or len(data)
+    before = data[:at].count(NEWLINE)
+    data = data[at:]
+    if dialect.comment is not None:
+        data = re.sub(rb"(?m)^[ \t]*" + re.escape(dialect.comment.strip().encode()) + rb"[^\n]*", b"", data)
+    blank = len(data) - len(data.lstrip(NEWLINE))
+    head, _, body = data[blank:].partition(NEWLINE)
+    if not head.strip():
+        raise BadInput("the file is empty", file=path, allowed="one header row and at least two rows of numbers")
+    return head, body if dialect.names is None else data[blank:], before + blank + 1
+
+
+def _separator(head: str) -> str:
+    """Return what stands most often between the cells of a line; spaces only where nothing else does."""
+    best = max(",;\t", key=head.count)
+    return " " if best not in head and " " in head.strip() else best
+
+
+def _one_space(text: bytes) -> bytes:
+    """Return a text with one space between the cells of a line and none around them."""
+    return re.sub(rb"[ \t]+", b" ", text).replace(b"\n ", NEWLINE).replace(b" \n", NEWLINE).strip(b" ")
+
+
+def bytes_of(path: str | Path) -> bytes:
+    """Return the bytes of a file that is not too large to read at once.
+
+    Raises:
+        BadInput: it is too large, or cannot be read.
+    """
     try:
         with Path(path).open("rb") as stream:
             size = os.fstat(stream.fileno()).st_size
@@ -307,7 +397,7 @@ def _without_unnamed(table: Table) -> Table:
         return table
     names = tuple(name for name, kept in zip(table.names, keep, strict=True) if kept)
     columns = tuple(cells for cells, kept in zip(table.columns, keep, strict=True) if kept)
-    return Table(table.path, table.digest, names, table.header_line, table.line, table.decimal, columns)
+    return replace(table, names=names, columns=columns)
 
 
 def segments(starts: Integers, count: int) -> list[tuple[int, int]]:

@@ -46,7 +46,7 @@ def load_config_text(text: str, name: str = "<text>") -> Config:
     try:
         tables = tomllib.loads(text)
     except ValueError as error:  # TOMLDecodeError, or an integer of thousands of digits
-        raise _not_toml(error, text, name) from None
+        raise not_toml(error, text, name) from None
     except RecursionError:
         raise BadInput("nested too deeply", file=name) from None
     if not tables:
@@ -94,7 +94,8 @@ def _similar_files(path: Path) -> str | None:
     return nearest(path.name, names) or None
 
 
-def _not_toml(error: ValueError, text: str, name: str) -> BadInput:
+def not_toml(error: ValueError, text: str, name: str) -> BadInput:
+    """Return what ``tomllib`` says of a text, with its place."""
     place = re.search(r"\(at line (\d+), column (\d+)\)", str(error))
     message = re.sub(r"\s*\(at .*\)$", "", str(error))
     line, column = (int(place[1]), int(place[2])) if place else (text.count("\n") + 1, None)

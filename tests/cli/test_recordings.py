@@ -100,7 +100,8 @@ def test_shapes_and_joints_in_one_call(coast, reference, tmp_path):
     ("words", "code", "said"),
     [
         (("--columns", "stroke_mm"), 2, "OURS=THEIRS"),
-        (("--columns", "stroke_mm=nope"), 0, ""),
+        (("--columns", "stroke_mm=nope"), 3, "does not have"),
+        (("--columns", "stroke_mm=stroke"), 3, "Did you mean stroke_mm?"),
         (("--columns", "stroke_um=nope"), 3, "does not have"),
         (("--model", "none.toml"), 3, "no such file"),
         (("--plot", "x.bmp"), 2, "suffix"),

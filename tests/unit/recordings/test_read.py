@@ -8,7 +8,8 @@ import pytest
 
 from coast_cli.errors import BadInput
 from coast_cli.recordings import table
-from coast_cli.recordings.read import read_recordings, split_pair
+from coast_cli.recordings.device import split_pair
+from coast_cli.recordings.read import read_recordings
 from coast_cli.spec.load import REFERENCE, load_config
 
 JOINT = "run,time_s,outer,middle,bending_length_mm,stroke_mm,curvature_per_m\n"
