@@ -20,6 +20,7 @@ ColumnsOption = Annotated[
         metavar="FILE.toml|OURS=THEIRS,...",
         help="what their columns are: stroke_mm=X1, or a mapping file",
     ),
+    READS,
 ]
 RecordedPairOption = Annotated[
     str | None,
