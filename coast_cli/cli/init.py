@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
-from coast_cli.cli.paths import WRITES
+from coast_cli.cli.paths import Writes
+
+
+def _files(given: Mapping[str, Any]) -> list[Path]:
+    return [] if str(given["file"]) == "-" else [given["file"]]
 
 
 def init(
-    file: Annotated[Path, typer.Argument(help="where to write it; - for stdout"), WRITES] = Path("tubes.toml"),
+    file: Annotated[Path, typer.Argument(help="where to write it; - for stdout"), Writes(_files)] = Path("tubes.toml"),
     *,
     force: Annotated[bool, typer.Option("--force", help="replace a file that is there")] = False,
 ) -> None:

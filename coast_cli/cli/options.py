@@ -11,24 +11,21 @@ from coast_cli.cli.paths import READS, WRITES
 
 
 def _to_write(paths: list[Path] | None) -> list[Path] | None:
-    """Refuse files that cannot be written before any work is done for them."""
-    from coast_cli.output.atomic import check_folder
+    """Refuse files whose suffix says no format before any work is done for them."""
     from coast_cli.output.write import format_of
 
     for path in paths or ():
         format_of(path)
-        check_folder(path)
     return paths
 
 
 def _to_draw(path: Path | None) -> Path | None:
     """Refuse a picture that cannot be drawn before any work is done for it."""
     if path is not None:
-        from coast_cli.output.atomic import check_folder, check_suffix
+        from coast_cli.output.atomic import check_suffix
         from coast_cli.output.picture import FORMATS, require_matplotlib
 
         check_suffix("--plot", path, FORMATS)
-        check_folder(path)
         require_matplotlib()
     return path
 

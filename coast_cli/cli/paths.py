@@ -61,6 +61,7 @@ def kept_apart(command: Callable[..., Any]) -> Callable[..., Any]:
     def run(**given: Any) -> Any:  # noqa: ANN401
         reads, writes = _files(command, given)
         _refuse_shared(reads, writes)
+        _refuse_unwritable(writes)
         return command(**given)
 
     return run
@@ -116,6 +117,13 @@ def _refuse_shared(reads: list[_Named], writes: list[_Named]) -> None:
         if key in known or key == shown:
             raise BadInput(f"{named} and {known.get(key, 'stdout')} are one file", hint="Give each a name of its own.")
         known[key] = named
+
+
+def _refuse_unwritable(writes: list[_Named]) -> None:
+    from coast_cli.output.atomic import destination
+
+    for named in writes:
+        destination(named.path)
 
 
 def _existing(path: Path) -> Key | None:

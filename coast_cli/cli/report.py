@@ -44,7 +44,7 @@ def report(
     The page needs no network and no script, and prints well. A report is not a verdict: a failing check or a mismatch
     stands on the page and the exit code is 0; `coast check` and `coast diagnose --fail-on-mismatch` exit with 1.
     """
-    from coast_cli.output.atomic import check_folder, check_suffix, write_files
+    from coast_cli.output.atomic import check_suffix, write_files
     from coast_cli.output.picture import can_draw
     from coast_cli.output.report import NO_PICTURES, page_of
     from coast_cli.output.report_contents import Wanted, contents
@@ -57,7 +57,6 @@ def report(
     from coast_cli.units import MILLIMETRE
 
     check_suffix("-o", output, (".html", ".htm"))
-    check_folder(output)
     lengths = None if x2 is None else numbers(x2, "--x2")
     curvatures = numbers(kappa, "--kappa")
     document = load_config(config)

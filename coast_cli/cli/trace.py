@@ -67,8 +67,6 @@ def trace(
         raise UsageError("--tube belongs to --kind shape; name the tubes of a joint in columns of --drive.")
     place = None if clamp is None else _pixel(clamp)
     pictures = [] if overlay is None else _overlay_paths(overlay, images)
-    if overlay is not None and overlay not in pictures:
-        _make_folder(overlay)
     require_vision()
 
     from coast_cli.recordings.trace_sequence import digest, joint_rows, read_drive, shape_rows, trace_frames
@@ -103,7 +101,7 @@ def _pixel(text: str) -> tuple[float, float]:
 
 
 def _overlay_paths(overlay: Path, images: list[Path]) -> list[Path]:
-    """Where each overlay goes: the one file, or NAME.overlay.png in a folder."""
+    """Where each overlay goes: the one file, or NAME.overlay.png in a folder, which is made if need be."""
     from coast_cli.errors import UsageError
 
     if overlay.suffix.lower() == ".png":
@@ -113,16 +111,11 @@ def _overlay_paths(overlay: Path, images: list[Path]) -> list[Path]:
     paths = [overlay / f"{image.stem}.overlay.png" for image in images]
     if len(set(paths)) < len(paths):
         raise UsageError(f"--overlay {overlay}: two images have the same name, so would their overlays.")
-    return paths
-
-
-def _make_folder(overlay: Path) -> None:
-    from coast_cli.errors import UsageError
-
     try:
         overlay.mkdir(exist_ok=True)
     except OSError as error:
         raise UsageError(f"--overlay {overlay}: cannot be made ({error.strerror or error}).") from None
+    return paths
 
 
 def _draw(frame: Frame, stream: IO[bytes]) -> None:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
 from coast_cli.errors import UsageError
-from coast_cli.output.atomic import check_folder, check_suffix, write_files
+from coast_cli.output.atomic import check_suffix, write_files
 from coast_cli.output.standard_streams import to_stdout
 
 if TYPE_CHECKING:
@@ -75,9 +75,6 @@ class Outputs:
             from coast_cli.output.picture import require_matplotlib
 
             require_matplotlib()
-        named = [path for path in (*self.files, self.model, self.plot, self.report) if path is not None]
-        for path in named:
-            check_folder(path)
 
     @property
     def quiet(self) -> bool:

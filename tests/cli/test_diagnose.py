@@ -176,7 +176,7 @@ def test_one_run_without_release_or_time_is_a_weaker_claim(coast, recording):
         (("--plot", "no/such/plot.png"), 2, "there is no folder"),
         (("--report", "no/such/report.html"), 2, "there is no folder"),
         (("--columns", "stroke_mm"), 2, "--columns"),
-        (("-o", "."), 2, "suffix"),
+        (("-o", "."), 2, "this is a folder"),
     ],
 )
 def test_a_wrong_option_is_one_sentence(coast, words, code, said):

@@ -245,7 +245,6 @@ def test_the_same_answer_gives_the_same_picture(answer_of, tmp_path, suffix):
         (Outputs(model=Path("model.json")), "allowed: .toml"),
         (Outputs(plot=Path("plot.gif")), "allowed: .png, .svg"),
         (Outputs(report=Path("report.pdf")), "allowed: .html"),
-        (Outputs(files=(Path("no/such/folder/a.json"),)), "there is no folder"),
     ],
 )
 def test_outputs_that_cannot_be_are_refused_before_any_fit(outputs, said):
