@@ -70,8 +70,8 @@ if TYPE_CHECKING:
     from coast_cli.mechanics.joint import (
         tip as tip,
     )
-    from coast_cli.mechanics.pair import PairTable as PairTable
-    from coast_cli.mechanics.pair import pair_table as pair_table
+    from coast_cli.mechanics.pairs import PairTable as PairTable
+    from coast_cli.mechanics.pairs import pair_table as pair_table
     from coast_cli.mechanics.section import notched_section as notched_section
     from coast_cli.mechanics.tube import NotchedTube as NotchedTube
     from coast_cli.recordings.model import JointRun as JointRun
@@ -113,7 +113,7 @@ _PUBLIC = {
     "errors": ("BadInput", "CoastError", "NotConverged", "UsageError"),
     "mechanics.beam": ("BeamSolution", "BeamSolutions", "BeamTips", "solve_beam", "solve_segments", "solve_tips"),
     "mechanics.joint": ("Joint", "StrokeSolution", "curvature_from_stroke", "stroke", "tip"),
-    "mechanics.pair": ("PairTable", "pair_table"),
+    "mechanics.pairs": ("PairTable", "pair_table"),
     "mechanics.section": ("notched_section",),
     "mechanics.tube": ("NotchedTube",),
     "recordings.model": ("JointRun", "Recordings", "ShapeRun"),

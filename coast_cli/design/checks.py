@@ -8,7 +8,7 @@ from coast_cli.design.limits import limits
 from coast_cli.design.stroke import stroke_table
 from coast_cli.errors import NotConverged
 from coast_cli.mechanics.beam import NO_EQUILIBRIUM
-from coast_cli.mechanics.pair import pair_table
+from coast_cli.mechanics.pairs import pair_table
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.spec.build import Design
 from coast_cli.spec.config import LimitAtPoint

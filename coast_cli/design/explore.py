@@ -13,13 +13,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from coast_cli.design.figures import BentTubes, bent, cross_figures, pair_figures_of
+from coast_cli.design.figures import pair_columns
 from coast_cli.design.front import Front
 from coast_cli.design.limits import assembles, at_the_point, limits
-from coast_cli.design.population import TubePopulation
 from coast_cli.design.space import Space, space
 from coast_cli.errors import NotConverged
+from coast_cli.mechanics.pairs import BentTubes, bent, every_pair, listed_pairs
 from coast_cli.mechanics.section import FloatArray
+from coast_cli.mechanics.tubes import Tubes, tubes_of
 from coast_cli.spec.build import Design, build
 from coast_cli.spec.config import Config
 from coast_cli.spec.explore import Explore
@@ -84,7 +85,7 @@ def explore_block(task: Task) -> Block:
     if outer.rows.size == 0 or middle.rows.size == 0:
         return Block({}, np.zeros((0, 1)), {}, outer.size * middle.size)
     second, first = (index.ravel() for index in np.indices((middle.rows.size, outer.rows.size)))
-    figures = cross_figures(outer.bent, middle.bent)
+    figures = pair_columns(every_pair(outer.bent, middle.bent))
     shares = np.concatenate((outer.shares[first], middle.shares[second]), axis=1)
     numbers = {"outer": outer.rows[first] + 1, "middle": middle.rows[second] + 1}
     tubes = outer.tubes.picked(first), middle.tubes.picked(second)
@@ -164,7 +165,7 @@ class _Study:
         if rows.size == 0:
             return Block({}, np.zeros((0, 1)), {}, len(shares))
         solved = bent(tubes[0], self.design.gravity), bent(tubes[1], self.design.gravity)
-        figures = pair_figures_of(*solved, (every, every))
+        figures = pair_columns(listed_pairs(*solved, (every, every)))
         named = {f"outer_{key}": column[rows] for key, column in values[0].items()}
         named |= {f"middle_{key}": column[rows] for key, column in values[1].items()}
         numbers = {"outer": np.zeros(rows.size, dtype=np.int64), "middle": np.zeros(rows.size, dtype=np.int64)}
@@ -175,7 +176,7 @@ class _Study:
         numbers: Columns,
         values: Mapping[str, FloatArray],
         shares: FloatArray,
-        tubes: tuple[TubePopulation, TubePopulation],
+        tubes: tuple[Tubes, Tubes],
         figures: dict[str, FloatArray],
         asked: int,
     ) -> Block:
@@ -223,7 +224,7 @@ class _Chunk:
     rows: NDArray[np.int64]
     shares: FloatArray
     values: dict[str, FloatArray]
-    tubes: TubePopulation
+    tubes: Tubes
     solved: BentTubes | None
 
     @property
@@ -258,12 +259,9 @@ def joint_pair_figures(text: str, name: str) -> tuple[str, dict[str, FloatArray]
     pair = study.design.joint_pair
     if pair is None or "/" not in pair:
         return None
-    from coast_cli.design.population import population
-
-    outer, middle = (population([study.design.tube(tube)]) for tube in pair.split("/"))
-    one = np.zeros(1, dtype=np.int64)
+    outer, middle = (tubes_of([study.design.tube(tube)]) for tube in pair.split("/"))
     solved = bent(outer, study.design.gravity), bent(middle, study.design.gravity)
-    return pair, pair_figures_of(*solved, (one, one)) | at_the_point(study.design, outer, middle)
+    return pair, pair_columns(every_pair(*solved)) | at_the_point(study.design, outer, middle)
 
 
 def curvature_sources(text: str, name: str, columns: Columns) -> NDArray[np.str_]:

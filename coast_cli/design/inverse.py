@@ -13,13 +13,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from coast_cli.design.figures import FIGURES, POINT_FIGURES, bent, pair_figures_of
+from coast_cli.design.figures import FIGURES, POINT_FIGURES, pair_columns
 from coast_cli.design.limits import assembles, at_the_point
-from coast_cli.design.population import TubePopulation, population
 from coast_cli.design.space import RoleSpace, role_space
 from coast_cli.errors import BadInput, NotConverged, UsageError, nearest
+from coast_cli.mechanics.pairs import bent, listed_pairs
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.mechanics.tube import NotchedTube
+from coast_cli.mechanics.tubes import Tubes, tubes_of
 from coast_cli.spec.build import Design
 from coast_cli.spec.explore import Explore
 from coast_cli.spec.tubes import Role
@@ -135,7 +136,7 @@ class _Problem:
             some = outer.picked(rows), middle.picked(rows)
             solved = bent(some[0], self.design.gravity), bent(some[1], self.design.gravity)
             every = np.arange(rows.size)
-            known = pair_figures_of(*solved, (every, every)) | at_the_point(self.design, *some)
+            known = pair_columns(listed_pairs(*solved, (every, every))) | at_the_point(self.design, *some)
             for name, column in known.items():
                 columns[name][rows] = column
         return columns
@@ -160,10 +161,10 @@ class _Problem:
         width = np.diag(up - down) / (high - low)
         return np.asarray(((table[:count] - table[count:]) / width[:, None]).T)
 
-    def _made(self, role: Role, values: FloatArray) -> TubePopulation:
+    def _made(self, role: Role, values: FloatArray) -> Tubes:
         tube = self.tubes[0 if role == "outer" else 1]
         space = self.outer if role == "outer" else self.middle
-        base = population([tube]).picked(np.zeros(len(values), dtype=np.int64))
+        base = tubes_of([tube]).picked(np.zeros(len(values), dtype=np.int64))
         fields: dict[str, FloatArray] = {}
         for item, column in zip(self.variables, values.T, strict=True):
             if item.role == role:

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coast_cli.design.figures import POINT_FIGURES, point_figures
-from coast_cli.design.population import TubePopulation
 from coast_cli.mechanics.joint import Joint
 from coast_cli.mechanics.section import FloatArray
+from coast_cli.mechanics.tubes import Tubes
 from coast_cli.spec.build import Design, build_joint
 from coast_cli.spec.config import Config
 from coast_cli.spec.tubes import assembly_fault, bench_tubes
@@ -53,7 +53,7 @@ def limits(config: Config) -> tuple[Limit, ...]:
     return tuple(found)
 
 
-def at_the_point(design: Design, outer: TubePopulation, middle: TubePopulation) -> dict[str, FloatArray]:
+def at_the_point(design: Design, outer: Tubes, middle: Tubes) -> dict[str, FloatArray]:
     """Return the figures at the point of ``checks.max_stroke_mm`` for pairs row by row; none where that is not given."""
     config = design.config
     if config.checks is None or config.checks.max_stroke_mm is None or not point_figure_names(config):
@@ -73,7 +73,7 @@ def point_figure_names(config: Config) -> tuple[str, ...]:
     )
 
 
-def assembles(config: Config, outer: TubePopulation, middle: TubePopulation) -> NDArray[np.bool_]:
+def assembles(config: Config, outer: Tubes, middle: Tubes) -> NDArray[np.bool_]:
     """Return which rows are tubes, and go into each other with the inner tube and the tendon inside."""
     inner = 0.0 if config.inner is None else config.inner.outer_diameter_mm / 2.0 * MILLIMETRE
     tendon = 0.0 if config.tendon is None else 2.0 * config.tendon.radius_mm * MILLIMETRE

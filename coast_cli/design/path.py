@@ -15,10 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coast_cli.design.drive_history import drive_along
-from coast_cli.design.figures import web_strain
 from coast_cli.design.follow_leader import Body, deviation, follow_path
 from coast_cli.design.loading import acting_on_load, corrected_stroke
-from coast_cli.design.population import population
 from coast_cli.effects.effect import Effect
 from coast_cli.mechanics.joint import Joint, curvature_from_stroke, stroke, tension
 from coast_cli.mechanics.section import FloatArray
@@ -180,9 +178,7 @@ def _feed_reasons(joint: Joint, bent: FloatArray, beyond: FloatArray) -> list[tu
 
 def _strain_per_curvature(joint: Joint) -> float:
     """Return the largest strain of the webs for one 1/m, m."""
-    return max(
-        float(web_strain(population((tube,)), 1.0)[0]) for tube in (joint.outer, joint.middle) if tube is not None
-    )
+    return max(float(tube.strain_per_curvature.max()) for tube in (joint.outer, joint.middle) if tube is not None)
 
 
 def _joined(reasons: Sequence[tuple[Mask, str]], count: int) -> list[str | None]:

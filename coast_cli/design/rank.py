@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from coast_cli.design.references import CHANGE, Reference, rank_references
 from coast_cli.errors import UsageError
-from coast_cli.mechanics.pair import Assembly, PairTable, pair_table
+from coast_cli.mechanics.pairs import Assembly, PairTable, pair_table
 from coast_cli.mechanics.section import FloatArray, SectionKind
 from coast_cli.spec.build import Design, build
 from coast_cli.spec.config import Config

@@ -13,10 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from coast_cli.design.figures import FIGURES, bent, pair_figures_of
+from coast_cli.design.figures import FIGURES, pair_columns
 from coast_cli.design.limits import Limit, assembles, at_the_point, limits, point_figure_names
 from coast_cli.design.variation import Variation, variation
 from coast_cli.design.work import in_order
+from coast_cli.mechanics.pairs import bent, listed_pairs
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.mechanics.tube import NotchedTube
 from coast_cli.spec.build import Design
@@ -120,7 +121,7 @@ def make_pair(design: Design, varied: Variation, tubes: tuple[NotchedTube, Notch
         outer, middle = outer.picked(rows), middle.picked(rows)
         solved = bent(outer, design.gravity, roll=varied.roll(draws)[rows]), bent(middle, design.gravity)
         every = np.arange(rows.size)
-        known = pair_figures_of(*solved, (every, every)) | at_the_point(design, outer, middle)
+        known = pair_columns(listed_pairs(*solved, (every, every))) | at_the_point(design, outer, middle)
         for name, values in known.items():
             columns[name][rows] = values
     return Made(columns, limits(design.config))

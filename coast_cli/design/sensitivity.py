@@ -17,7 +17,7 @@ from coast_cli.errors import NotConverged
 from coast_cli.mechanics.beam import BeamSolution, solve_beam
 from coast_cli.mechanics.beam.tangent import complex_shape
 from coast_cli.mechanics.joint import Joint, stroke
-from coast_cli.mechanics.pair import integrated
+from coast_cli.mechanics.pairs import integrated
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.mechanics.tube import NotchedTube
 from coast_cli.spec.build import Design

@@ -12,8 +12,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from coast_cli.design.population import TubePopulation
 from coast_cli.mechanics.section import FloatArray
+from coast_cli.mechanics.tubes import Tubes
 from coast_cli.spec.config import Config
 from coast_cli.spec.explore import CountRange, Explore, ExploredTube, Range
 from coast_cli.spec.tubes import BenchTube, Role, bench_tubes
@@ -77,13 +77,13 @@ class RoleSpace:
             else np.zeros((1, 0))
         )
 
-    def tubes(self, values: dict[str, FloatArray]) -> TubePopulation:
+    def tubes(self, values: dict[str, FloatArray]) -> Tubes:
         """Return the tubes with the given values."""
 
         def metres(key: str) -> FloatArray:
             return values[key] * MILLIMETRE
 
-        made = TubePopulation(
+        made = Tubes(
             outer_radius=metres("outer_diameter_mm") / 2.0,
             inner_radius=metres("inner_diameter_mm") / 2.0,
             depth=metres("depth_mm")[:, None],
@@ -104,19 +104,13 @@ class RoleSpace:
         exact = np.min(np.abs(depth[:, None] - known), axis=1) <= _SAME_DEPTH
         return np.where(outside, "held", np.where(exact, "measured", "interpolated"))
 
-    def end_length(self, made: TubePopulation) -> FloatArray | float:
+    def end_length(self, made: Tubes) -> FloatArray | float:
         """Return the extra cut length of tubes of this role, m."""
         if self.first.end_effect == "none":
             return 0.0
         if self.first.end_effect != "table":
             return float(np.mean(self.first.end_effect)) * MILLIMETRE
-        from coast_cli.mechanics.end_effect import end_length
-
-        found, rows = np.zeros_like(made.depth), made.possible
-        some = made.picked(rows)
-        radii = some.outer_radius[:, None], some.inner_radius[:, None]
-        found[rows] = end_length(*radii, some.depth, some.cut, some.uncut, some.section)[0]
-        return found
+        return made.end_length_of_solids()[0]
 
 
 @dataclass(frozen=True)

@@ -13,17 +13,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from coast_cli.design.figures import FIGURES, POINT_FIGURES, BentTubes, bent, pair_figures_of
+from coast_cli.design.figures import FIGURES, POINT_FIGURES, pair_columns
 from coast_cli.design.indices import sobol_indices_of
 from coast_cli.design.limits import assembles, at_the_point, limits
-from coast_cli.design.population import TubePopulation
 from coast_cli.design.rank import RankOptions, scores_of
 from coast_cli.design.references import rank_references
 from coast_cli.design.samples import Keep, Made, make_pair, make_pairs, sampled, shares
 from coast_cli.design.variation import Variation, variation
 from coast_cli.errors import NotConverged
+from coast_cli.mechanics.pairs import BentTubes, bent, listed_pairs
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.mechanics.tube import NotchedTube
+from coast_cli.mechanics.tubes import Tubes
 from coast_cli.spec.build import Design
 
 Row = dict[str, Any]
@@ -108,7 +109,7 @@ def chances(
         for one in design.outer:
             pair = tubes[one.name], tubes[two.name]
             possible = assembles(config, *pair)
-            columns = pair_figures_of(solved[one.name], solved[two.name], (every, every))
+            columns = pair_columns(listed_pairs(solved[one.name], solved[two.name], (every, every)))
             with np.errstate(invalid="ignore"):  # figures of impossible tubes, which do not pass
                 columns |= at_the_point(design, *pair)
                 ratio = np.abs(np.log(columns[f"rigidity_ratio_{options.rigidity}"]))
@@ -123,8 +124,8 @@ def chances(
     return np.stack(passing), (np.arange(len(costs))[:, None] == best) & np.isfinite(scores)
 
 
-def _solved(design: Design, tube: NotchedTube, made: TubePopulation, roll: FloatArray) -> BentTubes:
-    """Solve a population in which another sample stands in for each impossible tube, which passes nothing anyhow."""
+def _solved(design: Design, tube: NotchedTube, made: Tubes, roll: FloatArray) -> BentTubes:
+    """Solve tubes as made, in which another sample stands in for each impossible tube, which passes nothing anyhow."""
     if np.all(made.possible):
         return bent(made, design.gravity, roll=roll)
     rows = np.flatnonzero(made.possible)

@@ -1,4 +1,4 @@
-"""Tubes as they are made: each drawn number with an error from its tolerance, as populations of tubes.
+"""Tubes as they are made: each drawn number with an error from its tolerance, as rows of tubes.
 
 All notches of one tube err alike. Samples cut from one stock share the errors of its diameters and modulus; the rest
 errs from sample to sample. The cut errs at a fixed pitch, since the stage sets the pitch and the laser's kerf the cut.
@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from coast_cli.design.population import TubePopulation
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.mechanics.tube import NotchedTube
+from coast_cli.mechanics.tubes import Tubes
 from coast_cli.spec.config import Config
 from coast_cli.spec.tolerances import Tolerance, Tolerances
 from coast_cli.spec.tubes import Role, bench_tubes
@@ -60,7 +60,7 @@ class Variation:
     stock: Mapping[str, str]
     tables: frozenset[str]
 
-    def tube(self, tube: NotchedTube, shares: FloatArray) -> TubePopulation:
+    def tube(self, tube: NotchedTube, shares: FloatArray) -> Tubes:
         """Return a tube as made, once for each row of probabilities, shape (m, inputs)."""
         count = len(shares)
         errors = {
@@ -76,7 +76,7 @@ class Variation:
         depth = tube.depth if np.ptp(tube.depth) > 0.0 else tube.depth[:1]
         cut, uncut = tube.cut[: depth.size], tube.uncut[: depth.size]
         cut_error = error("cut_mm")[:, None] * MILLIMETRE
-        made = TubePopulation(
+        made = Tubes(
             outer_radius=tube.outer_radius + error("outer_diameter_mm") / 2.0 * MILLIMETRE,
             inner_radius=tube.inner_radius + error("inner_diameter_mm") / 2.0 * MILLIMETRE,
             depth=depth + error("depth_mm")[:, None] * MILLIMETRE,
@@ -89,7 +89,7 @@ class Variation:
             section=tube.section,
             end_length=np.broadcast_to(tube.end_length, tube.depth.shape)[: depth.size] + np.zeros((count, 1)),
         )
-        return self._looked_up(made) if tube.name in self.tables else made
+        return replace(made, end_length=made.end_length_of_solids()[0]) if tube.name in self.tables else made
 
     def roll(self, shares: FloatArray) -> FloatArray:
         """Return the roll of the outer tube, rad, shape (m,)."""
@@ -98,16 +98,6 @@ class Variation:
             if item.key == ROLL:
                 found += item.error(shares[:, column]) * DEGREE
         return found
-
-    def _looked_up(self, made: TubePopulation) -> TubePopulation:
-        from coast_cli.mechanics.end_effect import end_length
-
-        rows = np.flatnonzero(made.possible)
-        tubes = made.picked(rows)
-        radii = tubes.outer_radius[:, None], tubes.inner_radius[:, None]
-        found = np.zeros_like(made.depth)
-        found[rows] = end_length(*radii, tubes.depth, tubes.cut, tubes.uncut, tubes.section)[0]
-        return replace(made, end_length=found)
 
 
 def variation(config: Config, tubes: Sequence[NotchedTube]) -> Variation:

@@ -96,7 +96,7 @@ def stations_for(
         bending_length=length,
         joint=joint,
         strain_per_curvature=_of_each(tube.strain_per_curvature, chosen, pitch.size),
-        closing_curvature=_of_each(_closing(joint), chosen, pitch.size),
+        closing_curvature=_of_each(joint.closing_curvature, chosen, pitch.size),
         position=None if pitch.size == 1 else (np.cumsum(bend_weight) - 0.5 * bend_weight)[:, np.newaxis],
     )
     return Stations(
@@ -166,9 +166,3 @@ def _along(
 def _of_each(values: FloatArray, chosen: slice, size: int) -> FloatArray:
     """Return what the chosen notches have, shape (size, 1)."""
     return np.broadcast_to(values[chosen], (size,))[:, np.newaxis]
-
-
-def _closing(joint: Joint) -> FloatArray:
-    """Return the curvature at which the faces of each notch touch, in whichever tube touches first, 1/m, shape (n,)."""
-    closing = joint.middle.closing_curvature
-    return closing if joint.outer is None else np.minimum(closing, joint.outer.closing_curvature.min())

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,6 +16,7 @@ from numpy.typing import ArrayLike
 from coast_cli.errors import BadInput
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.mechanics.tube import NotchedTube
+from coast_cli.mechanics.tubes import Tubes
 from coast_cli.mechanics.verdict import Verdict
 
 # Newton steps of the inverse; five are enough from the linear start, the rest is for hard corners.
@@ -84,13 +86,88 @@ class Joint:
         """Mean pitch of the middle tube, m."""
         return np.mean(self.middle.pitch).item()
 
+    @cached_property
+    def closing_curvature(self) -> FloatArray:
+        """Curvature at which each notch of the middle tube closes, or the first of the outer tube, 1/m, shape (n,)."""
+        closing = self.middle.closing_curvature
+        return closing if self.outer is None else np.minimum(closing, self.outer.closing_curvature.min())
+
     @property
     def closure_curvature(self) -> float:
-        """Curvature at which the first notch's faces touch, 1/m: each bends by cut/(ro + ybar)."""
-        tubes = (self.middle,) if self.outer is None else (self.outer, self.middle)
-        return min(
-            float(np.min(tube.cut / (tube.outer_radius + tube.notch.neutral_axis) / tube.pitch)) for tube in tubes
-        )
+        """Curvature at which the first notch's faces touch, 1/m."""
+        return float(self.closing_curvature.min())
+
+
+class DrivenSegment(Protocol):
+    """What the joint model asks of a joint, or of many at once: numbers, or arrays of one shape."""
+
+    @property
+    def tendon(self) -> Tendon | None:
+        """The pull wire, or None."""
+
+    @property
+    def pulley_friction(self) -> float:
+        """Friction coefficient mu of the pulleys."""
+
+    @property
+    def wrap_angle(self) -> float:
+        """Angle alpha around them, rad."""
+
+    @property
+    def notch_friction(self) -> float:
+        """Factor eta on the tension, per notch."""
+
+    @property
+    def deadband(self) -> float:
+        """Slack stroke, m."""
+
+    @property
+    def rigidity(self) -> Any:  # noqa: ANN401  # a number or an array, real or complex
+        """Flexural rigidity, N m^2."""
+
+    @property
+    def lever_arm(self) -> Any:  # noqa: ANN401
+        """Distance dy of the tendon from the neutral axis, m."""
+
+    @property
+    def cut(self) -> Any:  # noqa: ANN401
+        """Mean cut length, m."""
+
+    @property
+    def pitch(self) -> Any:  # noqa: ANN401
+        """Mean pitch, m."""
+
+
+@dataclass(frozen=True, slots=True)
+class Joints:
+    """One joint with many pairs of tubes in turn; the last four have one entry a pair, as in ``Joint``."""
+
+    tendon: Tendon | None
+    pulley_friction: float
+    wrap_angle: float
+    notch_friction: float
+    deadband: float
+    rigidity: FloatArray
+    lever_arm: FloatArray
+    cut: FloatArray
+    pitch: FloatArray
+
+
+def joints_of(joint: Joint, outer: Tubes, middle: Tubes) -> Joints:
+    """Return a joint with its tubes replaced by those of many pairs, row by row."""
+    second_moment = outer.rigidity_series / outer.youngs_modulus + middle.rigidity_series / middle.youngs_modulus
+    radius = 0.0 if joint.tendon is None else joint.tendon.radius
+    return Joints(
+        tendon=joint.tendon,
+        pulley_friction=joint.pulley_friction,
+        wrap_angle=joint.wrap_angle,
+        notch_friction=joint.notch_friction,
+        deadband=joint.deadband,
+        rigidity=joint.youngs_modulus * second_moment,
+        lever_arm=np.mean(middle.notch.neutral_axis, axis=1) + middle.inner_radius - radius,
+        cut=np.mean(middle.cut, axis=1),
+        pitch=np.mean(middle.pitch, axis=1),
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,7 +186,7 @@ class StrokeSolution:
     verdict: Verdict
 
 
-def tendon_shortening(joint: Joint, curvature: ArrayLike, bending_length: ArrayLike) -> FloatArray:
+def tendon_shortening(joint: DrivenSegment, curvature: ArrayLike, bending_length: ArrayLike) -> FloatArray:
     """Return how far the bend alone pulls the tendon, m: its chord across each cut (P (9), decision on dL_kin).
 
     Nf [cut - 2 (1/kn - dy) sin(kn cut / 2)] with kn = kappa pitch / cut; kappa X2 dy for small bends.
@@ -119,13 +196,13 @@ def tendon_shortening(joint: Joint, curvature: ArrayLike, bending_length: ArrayL
     return np.asarray(count * (joint.cut * (1.0 - np.sinc(half / np.pi)) + 2.0 * joint.lever_arm * np.sin(half)))
 
 
-def tension(joint: Joint, curvature: ArrayLike, bending_length: ArrayLike) -> FloatArray:
+def tension(joint: DrivenSegment, curvature: ArrayLike, bending_length: ArrayLike) -> FloatArray:
     """Return the tension at the actuator, N: e^(mu alpha) eta^(X2/pitch) EI kappa / dy (P (10)-(12))."""
     per_curvature = _friction_gain(joint, bending_length) * joint.rigidity / joint.lever_arm
     return np.asarray(per_curvature * np.asarray(curvature, dtype=float))
 
 
-def stroke(joint: Joint, curvature: ArrayLike, bending_length: ArrayLike) -> StrokeSolution:
+def stroke(joint: DrivenSegment, curvature: ArrayLike, bending_length: ArrayLike) -> StrokeSolution:
     """Return the tendon stroke that bends the segment to ``curvature`` (1/m, >= 0) at ``bending_length`` X2 (m).
 
     Raises:
@@ -139,7 +216,7 @@ def stroke(joint: Joint, curvature: ArrayLike, bending_length: ArrayLike) -> Str
     return StrokeSolution(kappa, total, force, strain, Verdict(converged=True))
 
 
-def curvature_from_stroke(joint: Joint, stroke_length: ArrayLike, bending_length: ArrayLike) -> StrokeSolution:
+def curvature_from_stroke(joint: DrivenSegment, stroke_length: ArrayLike, bending_length: ArrayLike) -> StrokeSolution:
     """Return the curvature that ``stroke_length`` X1 (m) reaches at ``bending_length`` X2 (m); zero within the deadband.
 
     Newton's method from the small-bend line, which lies below the root because the shortening is concave.
@@ -180,7 +257,7 @@ def tip(curvature: ArrayLike, bending_length: ArrayLike) -> tuple[FloatArray, Fl
     return np.asarray(along), np.asarray(across)
 
 
-def _friction_gain(joint: Joint, bending_length: ArrayLike) -> FloatArray:
+def _friction_gain(joint: DrivenSegment, bending_length: ArrayLike) -> FloatArray:
     notches = np.asarray(bending_length, dtype=float) / joint.pitch
     return np.asarray(np.exp(joint.pulley_friction * joint.wrap_angle) * joint.notch_friction**notches)
 
@@ -192,7 +269,7 @@ def _sinc_slope(half: FloatArray) -> FloatArray:
     return np.where(small, -half / 3.0 + half**3 / 30.0, (safe * np.cos(safe) - np.sin(safe)) / safe**2)
 
 
-def _tendon(joint: Joint) -> Tendon:
+def _tendon(joint: DrivenSegment) -> Tendon:
     if joint.tendon is None:
         raise BadInput(
             "a stroke needs a tendon", key="tendon", allowed="a [tendon] table with radius, modulus and length"

@@ -30,7 +30,7 @@ def full_section(outer_radius: ArrayLike, inner_radius: ArrayLike) -> SectionPro
     """Return the properties of the uncut ring; radii in m, any shapes that broadcast (P, text above (1))."""
     ro, ri = _numbers(outer_radius), _numbers(inner_radius)
     area = np.pi * (ro**2 - ri**2)
-    return SectionProperties(area, np.zeros_like(area), np.pi / 4.0 * (ro**4 - ri**4))
+    return SectionProperties(area, np.zeros_like(area), np.pi / 4.0 * (_fourth_power(ro) - _fourth_power(ri)))
 
 
 def notched_section(
@@ -50,6 +50,11 @@ def notched_section(
 def _numbers(values: ArrayLike) -> FloatArray:
     """Return an array of floats, or of complex numbers as they are: sensitivities are complex steps."""
     return np.asarray(values) * 1.0
+
+
+def _fourth_power(values: FloatArray) -> FloatArray:
+    """Return x^4 as the C library has it: numpy's vector instructions round it otherwise for one tube than for many."""
+    return np.array([value**4 for value in values.ravel().tolist()]).reshape(values.shape)
 
 
 def _sector(ro: FloatArray, ri: FloatArray, depth: FloatArray) -> SectionProperties:

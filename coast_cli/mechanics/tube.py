@@ -1,7 +1,4 @@
-"""One notched tube: geometry and material in, the piecewise-constant beam that it is out.
-
-One pitch is ``uncut`` (the full ring) and then ``cut`` (what the notch leaves), starting with uncut at the clamp.
-"""
+"""One notched tube: the row of ``Tubes`` that a configuration names, with plain numbers for what it has one of."""
 
 from __future__ import annotations
 
@@ -10,7 +7,8 @@ from functools import cached_property
 
 import numpy as np
 
-from coast_cli.mechanics.section import FloatArray, SectionKind, SectionProperties, full_section, notched_section
+from coast_cli.mechanics.section import FloatArray, SectionKind, SectionProperties
+from coast_cli.mechanics.tubes import Tubes, tubes_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +59,11 @@ class NotchedTube:
         return int(self.depth.size)
 
     @cached_property
+    def row(self) -> Tubes:
+        """The tube as a table of one row, which knows its geometry."""
+        return tubes_of((self,))
+
+    @cached_property
     def pitch(self) -> FloatArray:
         """Uncut plus cut length of each notch, m, shape (n,)."""
         return self.uncut + self.cut
@@ -72,65 +75,42 @@ class NotchedTube:
         return length
 
     @cached_property
-    def ring(self) -> SectionProperties:
-        """Properties of the uncut ring."""
-        return full_section(self.outer_radius, self.inner_radius)
-
-    @cached_property
     def notch(self) -> SectionProperties:
         """Properties of what each notch leaves, shape (n,)."""
-        return notched_section(self.outer_radius, self.inner_radius, self.depth, self.section)
+        notch = self.row.notch
+        return SectionProperties(notch.area[0], notch.neutral_axis[0], notch.second_moment[0])
 
     @cached_property
     def segments(self) -> Segments:
-        """The 2n constant pieces, uncut first.
-
-        The end effect acts as extra cut length: pitch/EI = uncut/EI_1 + (cut + end_length)/EI_2, so the cut piece
-        is softer by cut/(cut + end_length).
-        """
-        softened = self.notch.second_moment * self.cut / (self.cut + self.end_length)
-        ring = np.broadcast_to(self.ring.second_moment, softened.shape)
-        ring_area = np.broadcast_to(self.ring.area, softened.shape)
-        return Segments(
-            length=_interleave(self.uncut, self.cut),
-            rigidity=self.youngs_modulus * _interleave(ring, softened),
-            weight=self.density * _interleave(ring_area, self.notch.area),
-        )
+        """The 2n constant pieces, uncut first."""
+        return Segments(*(column[0] for column in self.row.per_notch))
 
     @cached_property
     def rigidity_mean(self) -> float:
         """Flexural rigidity averaged along the tube, N m^2: P's integral of I, which the rings dominate."""
-        return np.sum(self.segments.rigidity * self.segments.length).item() / self.length
+        return self.row.rigidity_mean.item()
 
     @cached_property
     def rigidity_series(self) -> float:
         """Length over summed compliance, N m^2: the uniform tube that bends as far under one moment."""
-        return self.length / np.sum(self.segments.length / self.segments.rigidity).item()
+        return self.row.rigidity_series.item()
 
-    @cached_property
+    @property
     def series_second_moment(self) -> FloatArray:
         """Second moment of area that each pitch has in series, cut and uncut, m^4, shape (n,)."""
-        cut, uncut = self.segments.length[1::2], self.segments.length[0::2]
-        compliance = cut * self.youngs_modulus / self.segments.rigidity[1::2] + uncut / self.ring.second_moment
-        return np.asarray((cut + uncut) / compliance)
+        return np.asarray(self.row.series_second_moment[0])
 
-    @cached_property
+    @property
     def strain_per_curvature(self) -> FloatArray:
-        """Strain of the strip's outer fibre for a unit curvature of the segment, m, shape (n,)."""
-        axis = self.notch.neutral_axis
-        inner_edge = self.inner_radius * (self.depth - self.outer_radius) / self.outer_radius
-        return np.asarray(np.maximum(self.outer_radius - axis, axis - inner_edge) * self.pitch / self.cut)
+        """Largest strain of what each notch leaves for a unit mean curvature, m, shape (n,)."""
+        return np.asarray(self.row.strain_per_curvature[0])
 
-    @cached_property
+    @property
     def closing_curvature(self) -> FloatArray:
-        """Curvature of the segment at which the faces of each notch touch, cut/(ro + ybar)/pitch, 1/m, shape (n,)."""
-        return np.asarray(self.cut / (self.outer_radius + self.notch.neutral_axis) / self.pitch)
+        """Mean curvature at which the faces of each notch touch, 1/m, shape (n,)."""
+        return np.asarray(self.row.closing_curvature[0])
 
     @cached_property
     def is_graded(self) -> bool:
         """Whether notches differ from each other."""
         return bool(np.ptp(self.depth) > 0.0 or np.ptp(self.pitch) > 0.0 or np.ptp(self.cut) > 0.0)
-
-
-def _interleave(first: FloatArray, second: FloatArray) -> FloatArray:
-    return np.stack((first, second), axis=-1).reshape(-1)

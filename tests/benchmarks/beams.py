@@ -214,7 +214,7 @@ def hard_set() -> None:
 
 
 def pairs(outer: int, middle: int) -> float:
-    from coast_cli.mechanics.pair import pair_table
+    from coast_cli.mechanics.pairs import pair_table
 
     rng = np.random.default_rng(0)
     base = NotchedTube("t", 0.25e-3, 0.2e-3, np.ones(1), np.full(188, 3e-4), np.full(188, 3e-4), 45e9, 6450.0)

@@ -18,7 +18,7 @@ from coast_cli.design.exploration import Beginning, explore  # noqa: E402
 from coast_cli.design.samples import make_pair  # noqa: E402
 from coast_cli.design.tolerance import tolerance_rows  # noqa: E402
 from coast_cli.design.variation import variation  # noqa: E402
-from coast_cli.mechanics.pair import pair_table  # noqa: E402
+from coast_cli.mechanics.pairs import pair_table  # noqa: E402
 from coast_cli.output.stream import CsvStream  # noqa: E402
 from coast_cli.spec.build import build  # noqa: E402
 from coast_cli.spec.load import load_config, load_config_text  # noqa: E402

@@ -8,7 +8,7 @@ of the link to the composite beam.
 import numpy as np
 import pytest
 
-from coast_cli.mechanics.pair import pair_table
+from coast_cli.mechanics.pairs import pair_table
 from coast_cli.mechanics.tube import NotchedTube
 
 GRAVITY = 9.81

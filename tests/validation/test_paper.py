@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from coast_cli.mechanics.joint import curvature_from_stroke, stroke
-from coast_cli.mechanics.pair import pair_table
+from coast_cli.mechanics.pairs import pair_table
 from coast_cli.spec.build import build
 from coast_cli.spec.load import load_config
 

@@ -13,7 +13,7 @@ from coast_cli.design.explore import explore_block, tasks
 from coast_cli.design.front import Front, undominated
 from coast_cli.design.work import in_order, workers
 from coast_cli.errors import BadInput
-from coast_cli.mechanics.pair import pair_table
+from coast_cli.mechanics.pairs import pair_table
 from coast_cli.spec.build import build
 from coast_cli.spec.load import load_config_text
 from tests.one_pair import pair_figures

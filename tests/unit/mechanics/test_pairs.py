@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from coast_cli.mechanics.beam import solve_beam
-from coast_cli.mechanics.pair import PairTable, pair_table
+from coast_cli.mechanics.pairs import PairTable, pair_table
 from coast_cli.spec.build import build
 from coast_cli.spec.load import load_config
 from tests.one_pair import pair_figures
@@ -51,7 +51,9 @@ def test_without_gravity_both_assemblies_agree(design):
 
 def test_blocks_do_not_show(design, monkeypatch):
     whole = pair_table(design.outer, design.middle, design.gravity)
-    monkeypatch.setattr("coast_cli.mechanics.pair._BLOCK", 1)
+    monkeypatch.setattr("coast_cli.mechanics.pairs._BLOCK", 700)
     split = pair_table(design.outer, design.middle, design.gravity)
+    bend = whole.total_precurvature.max()  # the signed integral cancels, so its rounding is that of the whole bend
     for name in FIGURES:
-        np.testing.assert_allclose(getattr(split, name), getattr(whole, name), rtol=1e-14)
+        atol = 1e-15 * bend if name == "signed_precurvature" else 0.0
+        np.testing.assert_allclose(getattr(split, name), getattr(whole, name), rtol=1e-14, atol=atol)
