@@ -13,7 +13,7 @@ import warnings
 from collections.abc import Sequence
 from pathlib import Path
 
-from coast_cli.errors import CoastError, printable
+from coast_cli.errors import CoastError, UsageError, printable
 from coast_cli.output.standard_streams import to_stderr
 
 INTERNAL = 4
@@ -48,13 +48,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _explain(error: Exception) -> tuple[str, int]:
-    from typer.exceptions import TyperException
+    from coast_cli.cli.app import refusal
 
     if isinstance(error, CoastError):
         return str(error), error.exit_code
-    if isinstance(error, TyperException):
-        advice = "`coast init` writes one to start from" if "'CONFIG" in error.format_message() else _HELP
-        return f"{error.format_message().rstrip('.')}. {advice}.", error.exit_code
+    if isinstance(error, refusal()):
+        text = error.format_message()  # type: ignore[attr-defined]
+        advice = "`coast init` writes one to start from" if "'CONFIG" in text else _HELP
+        return f"{text.rstrip('.')}. {advice}.", UsageError.exit_code
     kind, place = type(error).__name__, _last_line(error)
     return f"internal error, please report it: {kind} at {place}: {error}", INTERNAL
 

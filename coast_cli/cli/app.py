@@ -47,7 +47,7 @@ def run(arguments: list[str]) -> int:
 
     Raises:
         CoastError: what the command refuses, or that there is no such command.
-        typer.exceptions.TyperException: what typer refuses of the command line.
+        Exception: of the type that ``refusal`` returns, what typer refuses of the command line.
         KeyboardInterrupt: interrupted by the user.
     """
     asked = next((word for word in arguments if not word.startswith("-")), None)
@@ -55,12 +55,23 @@ def run(arguments: list[str]) -> int:
         raise UsageError(f"there is no command {asked!r}. {_like(asked)} `coast --help` lists them.".replace("  ", " "))
     known = [asked] if asked in COMMANDS else list(COMMANDS)
     written = StringIO()  # help and version, which typer writes without a word for a full disk
-    with redirect_stdout(written) if {"--help", "--version"} & {*arguments} else nullcontext():
-        code = _app(known)(args=arguments, standalone_mode=False)
+    try:
+        with redirect_stdout(written) if {"--help", "--version"} & {*arguments} else nullcontext():
+            code = _app(known)(args=arguments, standalone_mode=False)
+    except typer.Abort:  # what older versions of typer make of an interrupt
+        raise KeyboardInterrupt from None
     to_stdout(lambda stream: stream.write(written.getvalue()))
-    if code == INTERRUPTED:  # typer makes this of an interrupt, without a word
+    if code == INTERRUPTED:  # and what newer ones make of it, without a word
         raise KeyboardInterrupt
     return code if isinstance(code, int) else 0
+
+
+def refusal() -> type[Exception]:
+    """Return the type of what typer raises for a command line that it refuses; older versions raise click's own."""
+    try:
+        return import_module("typer.exceptions").TyperException  # type: ignore[no-any-return]
+    except ModuleNotFoundError:
+        return import_module("click").ClickException  # type: ignore[no-any-return]
 
 
 def _app(names: list[str]) -> Any:  # noqa: ANN401

@@ -187,7 +187,7 @@ def _problem(design: Design, pair: tuple[str, str], targets: Mapping[str, float]
     for name in targets:
         if name not in known:
             hint = nearest(name, known)
-            raise UsageError(f"--target {name}: there is no such figure; allowed: {', '.join(known)}. {hint}".rstrip())
+            raise UsageError(f"target {name}: there is no such figure; allowed: {', '.join(known)}. {hint}".rstrip())
     explore = config.explore or Explore()
     outer, middle = (role_space(config, explore, role) for role in ("outer", "middle"))
     tubes = design.tube(pair[0]), design.tube(pair[1])
@@ -202,7 +202,7 @@ def _problem(design: Design, pair: tuple[str, str], targets: Mapping[str, float]
     for name in targets:
         if not np.isfinite(nominal[name]):
             needs = "it needs [joint], [tendon] and checks.max_stroke_mm, and tubes that go together"
-            raise UsageError(f"--target {name}: it has no value for {'/'.join(pair)}; {needs}.")
+            raise UsageError(f"target {name}: it has no value for {'/'.join(pair)}; {needs}.")
     return replace(problem, nominal=nominal)
 
 
@@ -210,7 +210,8 @@ def _variable(name: str, roles: Mapping[str, tuple[RoleSpace, NotchedTube]], des
     role, _, key = name.partition(".")
     allowed = [f"{one}.{two}" for one in roles for two in VARIABLES]
     if name not in allowed:
-        raise UsageError(f"--vary {name}: allowed: {', '.join(allowed)}. {nearest(name, allowed)}".rstrip())
+        hint = nearest(name, allowed)
+        raise UsageError(f"variable {name}: there is none; allowed: {', '.join(allowed)}. {hint}".rstrip())
     space, tube = roles[role]
     plain = {
         "depth_mm": float(tube.depth[0]),

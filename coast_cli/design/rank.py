@@ -42,7 +42,7 @@ class RankOptions:
             UsageError: they are not three numbers from 0 with one above 0.
         """
         if len(self.weights) != 3 or min(self.weights) < 0.0 or max(self.weights) == 0.0:
-            raise UsageError("--weights: allowed: three numbers from 0, at least one of them above 0.")
+            raise UsageError("weights: allowed: three numbers from 0, at least one of them above 0.")
 
 
 @dataclass(frozen=True)

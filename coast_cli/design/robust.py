@@ -23,9 +23,9 @@ def robust_rank(config: Config, options: RankOptions, *, samples: int = SAMPLES,
         BadInput: as ``rank``.
     """
     if config.checks is None:
-        raise UsageError("--robust: a pair passes the limits of [checks], and the configuration has none.")
+        raise UsageError("a robust ranking needs limits to pass, and the configuration has no [checks].")
     if options.assembly != "separate":
-        raise UsageError("--robust: allowed: --assembly separate.")
+        raise UsageError("a robust ranking takes the assembly 'separate' only.")
     drawn = rank(config, options)
     design = with_section(build(config), options.section)
     passing, first = (table.mean(axis=1) for table in chances(design, options, samples=samples, seed=seed))

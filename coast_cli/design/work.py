@@ -70,7 +70,9 @@ def in_order(
         while under_way:
             yield under_way.popleft().result()
     except BrokenProcessPool:
-        raise WorkerLost("a worker process ended before its block was done: give fewer --jobs, or run again.") from None
+        raise WorkerLost(
+            "a worker process ended before its block was done: give fewer processes, or run again."
+        ) from None
 
 
 @contextmanager
@@ -78,16 +80,16 @@ def _dask(address: str) -> Iterator[tuple[Executor, int]]:
     try:
         from distributed import Client
     except ImportError:
-        raise UsageError("--cluster needs dask.distributed: pip install 'coast-cli[cluster]'.") from None
+        raise UsageError("a cluster needs dask.distributed: pip install 'coast-cli[cluster]'.") from None
     try:
         client: Any = Client(address, timeout=_CONNECT_SECONDS, set_as_default=False)
     except (OSError, ValueError, TimeoutError):
-        raise UsageError(f"--cluster {address}: no dask scheduler answers there.") from None
+        raise UsageError(f"{address}: no dask scheduler answers there.") from None
     with client:
         try:
             client.wait_for_workers(1, timeout=_CONNECT_SECONDS)
         except TimeoutError:
-            raise UsageError(f"--cluster {address}: the scheduler has no workers.") from None
+            raise UsageError(f"{address}: the scheduler has no workers.") from None
         window = _AHEAD * max(sum(client.nthreads().values()), 1)
         executor = client.get_executor(pure=False)
         try:

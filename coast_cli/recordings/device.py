@@ -148,7 +148,7 @@ def pair_names(
             "no middle tube is named",
             name=middle.name,
             row=stretch[0],
-            allowed="a middle column, --pair OUTER/MIDDLE, or joint.pair in the configuration",
+            allowed="a middle column, a pair OUTER/MIDDLE, or joint.pair in the configuration",
         )
     return name_outer, name_middle or ""
 
@@ -159,7 +159,9 @@ def shape_tubes(
     """Return the tubes of a shape: from ``tube``, from ``outer`` and ``middle``, else the default pair."""
     if not texts["tube"]:
         if not texts["outer"] and not texts["middle"] and defaults.middle is None:
-            raise table.error("no tube is named", allowed="a tube column, outer and middle columns, or --pair")
+            raise table.error(
+                "no tube is named", allowed="a tube column, outer and middle columns, or a pair for the file"
+            )
         outer = texts["outer"].of(*stretch) if texts["outer"] else ""
         middle = texts["middle"].of(*stretch) if texts["middle"] else ""
         if not texts["outer"] and not texts["middle"]:

@@ -94,7 +94,7 @@ def _checked(table: Table, mapping: ColumnMapping, ours: str, source: Source) ->
         allowed = "such as stroke_mm, curvature_per_m, run"
         mapping.refuse(
             key,
-            "--columns names no column of ours" if mapping.origin is None else "no column of ours",
+            "the mapping names no column of ours" if mapping.origin is None else "no column of ours",
             found=ours,
             allowed=allowed,
             hint=nearest(ours, known_names()) or swapped,

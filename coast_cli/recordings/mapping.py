@@ -109,7 +109,7 @@ def as_mapping(columns: Mapping[str, str] | ColumnMapping | None) -> ColumnMappi
 
 
 def mapping_of(text: str | None) -> ColumnMapping:
-    """Return the mapping of ``--columns``: ``OURS=THEIRS,...``, or the name of a TOML file.
+    """Return the mapping that a text asks for: ``OURS=THEIRS,...``, or the name of a TOML file.
 
     Raises:
         UsageError: neither. BadInput: the file says something that a mapping cannot.
@@ -131,7 +131,7 @@ def mapping_of(text: str | None) -> ColumnMapping:
 
 def _refuse_text(text: str, part: str) -> NoReturn:
     allowed = "FILE.toml, or OURS=THEIRS, each of our names once, such as stroke_mm=X1,curvature_per_m=kappa"
-    raise UsageError(f"--columns {text}: not understood at {part!r}; allowed: {allowed}.")
+    raise UsageError(f"columns {text}: not understood at {part!r}; allowed: {allowed}.")
 
 
 def load_mapping(path: str | Path) -> ColumnMapping:

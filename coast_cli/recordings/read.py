@@ -155,7 +155,9 @@ def _joint_runs(table: Table, layout: Layout, defaults: Defaults) -> Iterable[Jo
         raise table.error("no response of a notched joint", name=columns[kind].name, allowed=allowed)
     if "bending_length" not in values:
         if defaults.bending_length is None and defaults.has_tubes:
-            raise table.error("no bending_length_mm column", allowed="that column, or --x2 with the length in mm")
+            raise table.error(
+                "no bending_length_mm column", allowed="that column, or one bending length X2 in mm for the file"
+            )
         length = np.nan if defaults.bending_length is None else defaults.bending_length
         values["bending_length"] = np.full(len(table.line), length)
     _check_positive_length(table, layout, values["bending_length"])

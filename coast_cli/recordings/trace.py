@@ -125,7 +125,10 @@ def trace_levels(
         flag, notes = "glare", ("a saturated spot lies on the tube or at its tip: it may hide part of it", *notes)
     if clamp is None:
         x, y, _ = curve.at(np.array([first]))
-        notes = (f"the clamp is taken at the left end, {x[0]:.0f},{y[0]:.0f}; --clamp X,Y says otherwise", *notes)
+        notes = (
+            f"the clamp is taken at the left end, {x[0]:.0f},{y[0]:.0f}; give its pixel where it is elsewhere",
+            *notes,
+        )
     arc = fit_arc(sections.x[chosen], sections.y[chosen])
     mirrored = bool(np.cos(curve.at(np.array([first]))[2][0]) < -0.1)  # an upright clamp is no mirror image
     return Trace(source, mm_per_px, curve, sections, arc, first, last, mirrored=mirrored, flag=flag, notes=notes)
@@ -189,7 +192,7 @@ def _refuse_cut_off_side(sections: Sections) -> None:
 def _cut_off(message: str, *, at: tuple[Floats, ...] | None = None) -> BadFrame:
     hint = "Show the whole bending segment."
     if at is not None:
-        hint += f" If it is clamped there, pass --clamp {at[0][0]:.0f},{at[1][0]:.0f}."
+        hint += f" If it is clamped there, say that the clamp is at {at[0][0]:.0f},{at[1][0]:.0f}."
     return BadFrame("cut-off", message, hint=hint)
 
 

@@ -117,7 +117,7 @@ def joint_rows(frames: Sequence[Frame], drive: Sequence[Row] | None) -> tuple[li
     side = "left" if sign > 0 else "right"
     notes = [f"positive curvature turns to the {side} on the image, seen from the clamp: the way the frames bend most."]
     if drive is None:
-        notes.append("without --drive there is no stroke or tension column, which a joint recording needs.")
+        notes.append("without a drive there is no stroke or tension column, which a joint recording needs.")
     return rows, tuple(notes)
 
 

@@ -93,10 +93,12 @@ class Design:
             BadInput: a tube is unknown, or none is asked for and the configuration leaves it open.
         """
         if asked is not None:
-            return pair_names(self.config, asked, path=("--pair",))
+            return pair_names(self.config, asked, path=("pair",))
         if self.joint_pair is None:
             raise self.config.refuse(
-                ("joint", "pair"), "which pair is meant is not said", allowed="joint.pair in the file, or --pair"
+                ("joint", "pair"),
+                "which pair is meant is not said",
+                allowed="joint.pair in the file, or a pair OUTER/MIDDLE asked for",
             )
         return pair_names(self.config, self.joint_pair)
 

@@ -1,4 +1,7 @@
-"""What users copy into their own CI runs as it stands: the workflow's steps and the hooks' entries, in a repository."""
+"""What users copy into their own CI runs as it stands: the workflow's steps and the hooks' entries, in a repository.
+
+The repository's own workflow and hooks name what is here.
+"""
 
 import os
 import re
@@ -6,6 +9,7 @@ import shlex
 import shutil
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -88,3 +92,35 @@ def test_hooks_see_configurations_only():
     for pattern in re.findall(r"^  files: (.+)$", HOOKS, re.MULTILINE):
         assert re.search(pattern, "configs/tubes.toml")
         assert not re.search(pattern, "pyproject.toml")
+
+
+def test_the_own_workflow_runs_everything_and_both_ends_of_the_dependencies():
+    text = (ROOT / ".github" / "workflows" / "tests.yml").read_text(encoding="utf-8")
+    steps = re.findall(r"- run: (.+)$", text, re.MULTILINE)
+    assert steps[0] == ".ci/run"
+    assert os.access(ROOT / steps[0], os.X_OK)
+    assert set(re.findall(r"versions: (\w+) }", text)) == {"lowest", "newest"}
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert f">={re.findall(r'python: .([0-9.]+).,', text)[0]}" == project["requires-python"]
+    pinned = constraints("lowest")
+    for name in map(re.compile(r"[\w-]+").match, project["dependencies"]):
+        assert f"{name[0]}==" in pinned
+    assert "numba==" in pinned
+    assert constraints("newest") == ""
+
+
+def constraints(versions):
+    command = [sys.executable, str(ROOT / ".ci" / "constraints.py"), versions]
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout
+
+
+def test_the_own_hooks_call_what_ci_calls():
+    text = (ROOT / ".pre-commit-config.yaml").read_text(encoding="utf-8")
+    entries = re.findall(r"entry: ([^,]+),", text)
+    assert len(entries) == text.count("- { id:") == 6
+    called = re.findall(r"^\.venv/bin/(.+)$", (ROOT / ".ci" / "run").read_text(encoding="utf-8"), re.MULTILINE)
+    for program in ("ruff check", "ruff format --check", "mypy", "lint-imports"):
+        assert any(line.startswith(program) for line in called)
+        assert any(entry.startswith(program) for entry in entries)
+    for hook in ENTRIES.values():
+        assert hook in entries

@@ -185,7 +185,7 @@ def test_stroke_past_the_closing_of_the_notches_is_noted(coast, reference):
 def test_an_unknown_pair_is_bad_input(coast, reference, pair):
     ran = coast("stroke", reference, "--kappa", "20", "--x2", "20", "--pair", pair)
     assert (ran.code, ran.out) == (3, "")
-    assert "--pair" in ran.err
+    assert ": pair: " in ran.err
 
 
 def test_beam_points_are_places_on_the_same_curve(coast, reference):

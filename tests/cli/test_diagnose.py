@@ -175,7 +175,7 @@ def test_one_run_without_release_or_time_is_a_weaker_claim(coast, recording):
         (("--max-effects", "-1"), 2, "max-effects"),
         (("--plot", "no/such/plot.png"), 2, "there is no folder"),
         (("--report", "no/such/report.html"), 2, "there is no folder"),
-        (("--columns", "stroke_mm"), 2, "--columns"),
+        (("--columns", "stroke_mm"), 2, "columns stroke_mm"),
         (("-o", "."), 2, "this is a folder"),
     ],
 )

@@ -16,9 +16,8 @@ from json import loads
 from pathlib import Path
 
 import tomli_w
-from typer.exceptions import TyperException
 
-from coast_cli.cli.app import run
+from coast_cli.cli.app import refusal, run
 from coast_cli.errors import CoastError
 
 ROOT = Path(__file__).parents[2]
@@ -173,7 +172,7 @@ def attempt(words: Sequence[str]) -> int | None:
     try:
         with redirect_stdout(out), redirect_stderr(err):
             code = run(list(words))
-    except (CoastError, TyperException) as error:
+    except (CoastError, refusal()) as error:
         text = str(error)
         if any(not character.isprintable() for character in text):
             raise Finding(f"not one printable sentence: {text[:300]!r}") from error

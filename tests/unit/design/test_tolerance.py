@@ -166,5 +166,5 @@ def test_the_robust_ranking_orders_by_the_chance_of_passing(reference):
 
 def test_the_robust_ranking_needs_limits(reference_text):
     config = load_config_text(reference_text[: reference_text.index("[checks]")])
-    with pytest.raises(CoastError, match="--robust"):
+    with pytest.raises(CoastError, match="robust ranking"):
         robust_rank(config, RankOptions())

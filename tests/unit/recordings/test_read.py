@@ -250,7 +250,7 @@ def row(number, text):
 BAD = {
     "missing column": ("run,stroke_mm\na,1\na,2\n", 1, None, "no response column"),
     "no drive": ("run,bend_deg\na,1\na,2\n", 1, None, "no drive column"),
-    "no kind": ("foo,bar\n1,2\n3,4\n", 1, None, "--columns"),
+    "no kind": ("foo,bar\n1,2\n3,4\n", 1, None, "by a mapping"),
     "wrong unit": ("stroke_cm,bend_deg\n1,2\n3,4\n", 1, 1, "stroke_mm"),
     "no unit": ("stroke,bend_deg\n1,2\n3,4\n", 1, 1, "without a unit"),
     "wrong notch unit": ("stroke_mm,notch_1_mm\n1,2\n3,4\n", 1, 2, "notch"),
@@ -344,7 +344,7 @@ def test_wrong_renaming(columns, words, written):
         ({"pair": "OT9/MT1"}, "OT9"),
         ({"pair": "OT1/"}, "OUTER/MIDDLE"),
         ({"bending_length_mm": -1.0}, "positive"),
-        ({"bending_length_mm": None}, "--x2"),
+        ({"bending_length_mm": None}, "bending length X2"),
     ],
 )
 def test_wrong_options(options, words, written, config):

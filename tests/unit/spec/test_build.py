@@ -81,7 +81,7 @@ def test_a_note_says_when_the_table_does_not_reach(reference_text):
 
 @pytest.mark.parametrize("pair", ["OT9/MT1", "MT1/OT4", "OT4", ""])
 def test_a_pair_that_is_not_there(reference, pair):
-    with pytest.raises(BadInput, match="--pair"):
+    with pytest.raises(BadInput, match="pair: "):
         build(load_config(reference)).joint(pair)
 
 
