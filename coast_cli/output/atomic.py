@@ -40,13 +40,11 @@ def write_files(writers: Mapping[Path, Writer], *, binary: bool = False) -> None
                 draft = _draft(target, unfinished)
                 with _opened(draft, binary=binary) as stream:
                     writer(stream)
-                if target.exists() and draft != target:
-                    _take_over(draft, target.stat())
             moves.append((path, draft, target))
         for path, draft, target in moves:
             if draft != target:
                 with _naming(path):
-                    draft.replace(target)
+                    put_in_place(draft, target)
 
 
 def destination(path: Path) -> Path:
@@ -68,6 +66,20 @@ def destination(path: Path) -> Path:
         if (target.is_file() or not target.exists()) and not os.access(target.parent, os.W_OK):
             raise UsageError(f"{path}: cannot be written, as its folder does not allow it.")
         return target
+
+
+def put_in_place(draft: Path, target: Path) -> None:
+    """Move a draft to its place; a file that is there already hands on its owner and its mode.
+
+    Raises:
+        OSError: it cannot be moved, or the owner cannot be kept.
+    """
+    if target.exists():
+        old, new = target.stat(), draft.stat()
+        if os.name == "posix" and (new.st_uid, new.st_gid) != (old.st_uid, old.st_gid):
+            os.chown(draft, old.st_uid, old.st_gid, follow_symlinks=False)
+        draft.chmod(S_IMODE(old.st_mode))
+    draft.replace(target)
 
 
 def check_suffix(option: str, path: Path, allowed: Collection[str]) -> None:
@@ -113,15 +125,6 @@ def _followed(path: Path) -> Path:
             raise UsageError(f"{path}: cannot be written, as the link {step} belongs to another user.")
         ahead += list(step.readlink().parts)[::-1]
     return place
-
-
-def _take_over(draft: Path, old: os.stat_result) -> None:
-    """Give a draft the owner and the mode of the file that it replaces."""
-    if os.name == "posix":
-        new = draft.stat()
-        if (new.st_uid, new.st_gid) != (old.st_uid, old.st_gid):
-            os.chown(draft, old.st_uid, old.st_gid, follow_symlinks=False)
-    draft.chmod(S_IMODE(old.st_mode))
 
 
 @contextmanager

@@ -1,67 +1,60 @@
-"""What an interrupted run had done, kept in a file of the working folder, from which the same command goes on.
+"""What an interrupted run had done, kept in a folder of the working folder, from which the same command goes on.
 
-Nothing is written before an interrupt, and a run that ends takes the file away. ``CsvStream`` is its like for runs that
+Nothing is written before an interrupt, and a run that ends takes the folder away. ``CsvStream`` is its like for runs that
 write every row.
 """
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
-
-import numpy as np
-from numpy.typing import NDArray
 
 from coast_cli.errors import UsageError
-from coast_cli.output.atomic import write_files
-
-_NOTE = "note"
+from coast_cli.output.checkpoint import Arrays, Note, check_private, open_folder, read_note, remove_folder, write_note
 
 
 class Kept:
     """The state of a run after its last block.
 
     Args:
-        name: of the run, e.g. ``tubes.explore``. identity: what it is made from; another identity has another file.
+        name: of the run, e.g. ``tubes.explore``. identity: what it is made from; another identity has another folder.
 
     Attributes:
-        path: of the file. blocks: how many are done. state: what the next block must know.
+        path: of the folder. blocks: how many are done. state: what the next block must know.
+
+    Raises:
+        BadInput: what an earlier run left is damaged, or somebody else's.
     """
 
     def __init__(self, name: str, identity: str) -> None:
-        self.path = Path(f"{name}.{sha256(identity.encode()).hexdigest()[:8]}.part.npz")
+        self.path = Path(f"{name}.{sha256(identity.encode()).hexdigest()[:8]}.part")
         self.identity = identity
         self.blocks, self.state = 0, dict[str, Any]()
-        try:
-            with np.load(self.path, allow_pickle=False) as saved:
-                state = dict(saved)
-            note = json.loads(str(state.pop(_NOTE)))
-        except (OSError, ValueError, KeyError, BadZipFile):
-            return
-        if note.get("identity") == identity:
-            self.blocks, self.state = note["blocks"], state
+        if self.path.exists() or self.path.is_symlink():
+            check_private(self.path)
+            note = read_note(self.path, identity) or Note()
+            self.blocks, self.state = note.blocks, dict(note.state)
 
-    def write(self, _columns: Mapping[str, Any], state: Mapping[str, NDArray[Any]]) -> None:
+    def write(self, _columns: Mapping[str, Any], state: Arrays) -> None:
         """Take the state after one more block."""
         self.blocks, self.state = self.blocks + 1, dict(state)
 
     def keep(self) -> str:
-        """Write the state to its file, and return in words what is kept."""
-        note = json.dumps({"identity": self.identity, "blocks": self.blocks})
-        saved: dict[str, Any] = {_NOTE: np.array(note), **self.state}
+        """Write the state to its folder, and return in words what is kept."""
         try:
-            write_files({self.path: lambda stream: np.savez(stream, **saved)}, binary=True)
-        except UsageError as error:
-            return f"what is done cannot be kept ({str(error).removeprefix('-o ').rstrip('.')})"
+            open_folder(self.path)
+            write_note(self.path, self.identity, Note(self.blocks, self.state))
+        except (OSError, UsageError) as error:
+            reason = f"{self.path}: {error.strerror}" if isinstance(error, OSError) else str(error).rstrip(".")
+            return f"what is done cannot be kept ({reason})"
         return f"{self.path} keeps {self.blocks} blocks, and the same command goes on from there"
 
     def finish(self) -> None:
-        """Take the file away."""
-        self.path.unlink(missing_ok=True)
+        """Take the folder away."""
+        if self.path.exists():
+            remove_folder(self.path)
 
     def close(self) -> None:
         """Nothing is open."""

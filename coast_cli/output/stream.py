@@ -1,26 +1,24 @@
 """A long CSV written block by block: interrupted, it keeps what is done, and a rerun goes on from there.
 
-Until it is whole the file has ``.part`` at its end, with a ``.part.npz`` beside it that says what it is made from, how
-many blocks and bytes of it count, and what the next block must know. Both end in the finished file.
+Until it is whole its rows stand in a folder with ``.part`` at the end of its name, beside a note that says what they are
+made from, how many of them count, and what the next block must know. The folder goes when the file has its name.
 """
 
 from __future__ import annotations
 
 import csv
-import json
 import os
 from collections.abc import Mapping, Sequence
+from hashlib import sha256
+from io import StringIO
 from pathlib import Path
 from typing import IO, Any
-from zipfile import BadZipFile
 
-import numpy as np
-from numpy.typing import NDArray
+from coast_cli.errors import BadInput, CoastError, UsageError
+from coast_cli.output.atomic import destination, put_in_place
+from coast_cli.output.checkpoint import Arrays, Note, check_private, open_folder, read_note, remove_folder, write_note
 
-from coast_cli.errors import UsageError
-from coast_cli.output.atomic import write_files
-
-_NOTE = "note"
+_READ_BYTES = 2**20
 
 
 class CsvStream:
@@ -35,6 +33,7 @@ class CsvStream:
 
     Raises:
         UsageError: the file exists, another command left it unfinished, or it cannot be written.
+        BadInput: what an earlier run left is damaged, or somebody else's.
     """
 
     def __init__(self, path: Path, identity: str, *, overwrite: bool) -> None:
@@ -43,14 +42,15 @@ class CsvStream:
         if path.exists() and not overwrite:
             raise UsageError(f"{path}: the file exists; give another name, or --overwrite.")
         self.path, self.identity = path, identity
-        self.part, self.note = (path.with_name(f"{path.name}.part{suffix}") for suffix in ("", ".npz"))
+        self._target = destination(path)
+        self.part = self._target.with_name(f"{self._target.name}.part")
+        self._rows, self._digest = self.part / "rows.csv", sha256()
         self.blocks, self.state = 0, dict[str, Any]()
         try:
-            self._stream: IO[str] = self.part.open("a", encoding="utf-8", newline="")
+            open_folder(self.part)
+            self._stream = _opened(self._rows)
             self._lock()
-            size = self._resume(overwrite=overwrite)
-            os.truncate(self.part, size)
-            self._stream.seek(size)
+            self._resume(overwrite=overwrite)
             self._save(self.state)
         except OSError as error:
             raise UsageError(f"{path}: cannot be written ({error.strerror or error}).") from None
@@ -63,54 +63,63 @@ class CsvStream:
             return
         try:
             fcntl.flock(self._stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            taken = not os.path.samestat(os.fstat(self._stream.fileno()), self.part.stat())
+            taken = not os.path.samestat(os.fstat(self._stream.fileno()), self._rows.stat())
         except (BlockingIOError, FileNotFoundError):  # the other run may have finished the file in between
             taken = True
         if taken:
             self._stream.close()
             raise UsageError(f"{self.path}: another run is writing this file; wait for it, or give another name.")
 
-    def _resume(self, *, overwrite: bool) -> int:
-        """Return how many bytes of an earlier run count."""
-        size = self.part.stat().st_size
+    def _resume(self, *, overwrite: bool) -> None:
+        """Go to where an earlier run was, or to the beginning."""
         try:
-            with np.load(self.note, allow_pickle=False) as saved:
-                state = dict(saved)
-            note = json.loads(str(state.pop(_NOTE)))
-        except (OSError, ValueError, KeyError, BadZipFile):
-            note = {}
-        if note.get("identity") == self.identity:
-            if size < note["bytes"]:
-                return 0
-            self.blocks, self.state = note["blocks"], state
-            return int(note["bytes"])
-        if size and not overwrite:
-            self._stream.close()
-            raise UsageError(
-                f"{self.path}: {self.part.name} holds what another command left unfinished; run that again, "
-                "give another name, or --overwrite."
-            )
-        return 0
+            note = self._found()
+        except CoastError:
+            if not overwrite:
+                self._stream.close()
+                raise
+            note = Note()
+            self._digest = sha256()
+        self.blocks, self.state = note.blocks, dict(note.state)
+        os.truncate(self._rows, note.size)
+        self._stream.seek(note.size)
 
-    def _save(self, state: Mapping[str, NDArray[Any]]) -> None:
-        """Write what the file is made from, how much of it counts, and what the next block must know."""
-        note = json.dumps({"identity": self.identity, "blocks": self.blocks, "bytes": self._stream.tell()})
-        saved: dict[str, Any] = {_NOTE: np.array(note), **state}
-        write_files({self.note: lambda stream: np.savez(stream, **saved)}, binary=True)
+    def _found(self) -> Note:
+        size, note = self._rows.stat().st_size, read_note(self.part, self.identity)
+        if note is None and size == 0:
+            return Note()
+        if note is not None and size >= note.size:
+            for place in range(0, note.size, _READ_BYTES):
+                self._digest.update(self._stream.read(min(_READ_BYTES, note.size - place)))
+            if self._digest.hexdigest() == note.rows:
+                return note
+        raise BadInput(
+            "the rows are not those that were written",
+            file=self.part,
+            hint="Delete the folder to begin anew, or --overwrite.",
+        )
 
-    def write(self, columns: Mapping[str, Any], state: Mapping[str, NDArray[Any]]) -> None:
+    def _save(self, state: Arrays) -> None:
+        """Write how much of the rows counts, and what the next block must know."""
+        write_note(self.part, self.identity, Note(self.blocks, state, self._stream.tell(), self._digest.hexdigest()))
+
+    def write(self, columns: Mapping[str, Any], state: Arrays) -> None:
         """Append a block of rows and save what goes with it.
 
         Raises:
             UsageError: the disk is full, or gone; what was written before stays.
         """
-        writer = csv.writer(self._stream, lineterminator="\n")
+        text = StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        if columns:
+            if self._stream.tell() == 0:
+                writer.writerow(columns)
+            writer.writerows(zip(*(_texts(column) for column in columns.values()), strict=True))
+        block = text.getvalue().encode()
         try:
-            if columns:
-                if self._stream.tell() == 0:
-                    writer.writerow(columns)
-                writer.writerows(zip(*(_texts(column) for column in columns.values()), strict=True))
+            self._stream.write(block)
             self._stream.flush()
+            self._digest.update(block)
             self.blocks += 1
             self._save(state)
         except (OSError, UsageError) as error:
@@ -127,8 +136,8 @@ class CsvStream:
     def finish(self) -> None:
         """Give the file its name."""
         self._stream.close()
-        self.part.replace(self.path)
-        self.note.unlink(missing_ok=True)
+        put_in_place(self._rows, self._target)
+        remove_folder(self.part)
 
     def close(self) -> None:
         """Leave the file as it is, to be gone on with later; without a block, leave none."""
@@ -136,9 +145,16 @@ class CsvStream:
             self._stream.close()
         except OSError:
             return  # the disk is full: what counts is on it already
-        if self.blocks == 0:
-            self.part.unlink(missing_ok=True)
-            self.note.unlink(missing_ok=True)
+        if self.blocks == 0 and self.part.exists():
+            check_private(self.part)
+            self._rows.unlink(missing_ok=True)
+            remove_folder(self.part)
+
+
+def _opened(rows: Path) -> IO[bytes]:
+    """Open the rows to be read and gone on with; a link in their place is refused."""
+    number = os.open(rows, os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0), 0o666)
+    return os.fdopen(number, "r+b")
 
 
 def _texts(column: Any) -> Sequence[Any]:  # noqa: ANN401

@@ -8,7 +8,6 @@ import sys
 import time
 from importlib.util import find_spec
 
-import numpy as np
 import pytest
 
 from coast_cli.design import exploration
@@ -39,8 +38,7 @@ def config(tmp_path, reference_text):
 
 def blocks(note):
     """How many blocks an unfinished stream holds."""
-    with np.load(note) as saved:
-        return json.loads(str(saved["note"]))["blocks"]
+    return json.loads(note.read_bytes().partition(b"\n")[0])["blocks"]
 
 
 def start(*words, **options):
@@ -89,12 +87,12 @@ def test_what_another_command_left_unfinished_is_not_replaced(coast, config, tmp
     monkeypatch.setattr(exploration, "explore_block", interrupted)
     first = config(SPACE.replace("256", "140"))
     assert coast("explore", first, *words).code == 130
-    left = {path: path.read_bytes() for path in tmp_path.glob("*.part*")}
+    left = {path: path.read_bytes() for path in tmp_path.glob("pairs.csv.part/*")}
     assert len(left) == 2
     ran = coast("explore", config(SMALL), *words)
     assert (ran.code, ran.out) == (2, "")
     assert "pairs.csv.part holds what another command left unfinished" in ran.err
-    assert {path: path.read_bytes() for path in tmp_path.glob("*.part*")} == left
+    assert {path: path.read_bytes() for path in tmp_path.glob("pairs.csv.part/*")} == left
     assert coast("explore", config(SMALL), *words, "--overwrite").code == 0
     assert len((tmp_path / "pairs.csv").read_text().splitlines()) == 1 + 16 * 16
     assert not list(tmp_path.glob("*.part*"))
@@ -138,7 +136,7 @@ def test_jobs_give_the_same_bytes(coast, config, tmp_path):
 
 def test_an_interrupt_keeps_what_is_done_and_a_rerun_resumes(config, tmp_path):
     """Four blocks of 16,384 pairs; the interrupt comes once the first is written."""
-    path, note = tmp_path / "pairs.csv", tmp_path / "pairs.csv.part.npz"
+    path, note = tmp_path / "pairs.csv", tmp_path / "pairs.csv.part" / "note"
     arguments = (config(SPACE), "--top", "3", "-f", "json", "--all")
     running = start(*arguments, path)
     while not note.exists() or blocks(note) == 0:
@@ -170,7 +168,7 @@ def test_an_interrupt_without_a_stream_keeps_what_is_done_too(coast, config, tmp
 
     monkeypatch.setattr(exploration, "explore_block", interrupted)
     stopped = coast(*words)
-    (kept,) = tmp_path.glob("*.npz")
+    (kept,) = tmp_path.glob("space.explore.*.part")
     assert (stopped.code, stopped.out) == (130, "")
     assert f"{kept.name} keeps 2 blocks, and the same command goes on from there" in stopped.err
     assert coast(*words) == whole
@@ -184,14 +182,14 @@ def test_a_folder_that_takes_no_file_is_said(coast, config, tmp_path, monkeypatc
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(exploration, "refine", interrupted)
-    monkeypatch.setattr("coast_cli.output.kept.write_files", refused)
+    monkeypatch.setattr("coast_cli.output.kept.write_note", refused)
     stopped = coast("explore", config(SMALL.replace("refinements = 0", "refinements = 1")))
     assert stopped.code == 130
     assert "interrupted: what is done cannot be kept (x: cannot be written)" in stopped.err
 
 
 def refused(*_, **__):
-    raise UsageError("-o x: cannot be written.")
+    raise UsageError("x: cannot be written.")
 
 
 @pytest.mark.skipif(os.name != "posix", reason="file size limits are POSIX")
@@ -209,7 +207,7 @@ def test_a_full_disk_is_said_and_what_is_written_stays(config, tmp_path):
     assert "run the same command again" in said
     assert "Traceback" not in said
     assert not path.exists()
-    assert blocks(tmp_path / "pairs.csv.part.npz") == 2
+    assert blocks(tmp_path / "pairs.csv.part" / "note") == 2
     assert start(*arguments, path).communicate() == whole
     assert path.read_bytes() == (tmp_path / "whole.csv").read_bytes()
 
