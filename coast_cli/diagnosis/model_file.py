@@ -13,6 +13,7 @@ from coast_cli.diagnosis.problem import CONFIG_KEYS
 if TYPE_CHECKING:
     from coast_cli.diagnosis.answer import Diagnosis
     from coast_cli.diagnosis.calibration import Calibration
+    from coast_cli.effects.effect import Effect
     from coast_cli.recordings.model import Recordings
     from coast_cli.spec.config import Config
 
@@ -36,10 +37,7 @@ def model_text(config: Config, diagnosis: Diagnosis, recordings: Recordings, nam
         put_number(document, CONFIG_KEYS.get(parameter, parameter), value)  # of shapes they are keys already
     for key, tube in diagnosis.model_tubes.items():
         put_number(document, key, tube)
-    found = {
-        effect.id: {p.name: float(getattr(effect, p.name)) for p in effect.parameters}
-        for effect in diagnosis.model_effects
-    }
+    found = {effect.id: _correction(effect) for effect in diagnosis.model_effects}
     # An effect of joint and shapes alike has one table, in which each finds its own parameters.
     corrections = {
         **config.corrections,
@@ -73,6 +71,19 @@ def calibrated_text(config: Config, calibration: Calibration, recordings: Record
     text = _comments(lines) + "\n" + tomli_w.dumps(document)
     load_config_text(text, name)
     return text
+
+
+def _correction(effect: Effect) -> dict[str, Any]:
+    """Return the table of a correction; what is not the tubes' own says on which kind of recording it was found."""
+    from coast_cli.effects.shapes.effect import ShapeEffect
+    from coast_cli.effects.unnamed import UnnamedLaw
+
+    if isinstance(effect, UnnamedLaw):
+        return effect.table()
+    values: dict[str, Any] = {p.name: float(v) for p, v in zip(effect.parameters, effect.values(), strict=True)}
+    if effect.scope != "tube":
+        values["recording"] = "shapes" if isinstance(effect, ShapeEffect) else "joint"
+    return values
 
 
 def put_number(document: dict[str, Any], key: str, value: float | list[float]) -> None:

@@ -19,6 +19,7 @@ class CameraOffset(Effect):
     component = "camera"
     kind = "sensor"
     stage = "sensor"
+    scope = "camera"
     equation = "response -> response + offset"
     source = "zero of the angle or circle fit on the straight segment"
     parameters = (Parameter("offset", 0.0, -30.0, 30.0, (0.02, -0.02), "a few noise widths", "response"),)

@@ -19,6 +19,7 @@ class CameraScale(Effect):
     component = "camera"
     kind = "sensor"
     stage = "sensor"
+    scope = "camera"
     equation = "response -> scale response"
     source = "pixels per millimetre calibrated off the plane of bending"
     parameters = (Parameter("scale", 1.0, 0.3, 3.0, (1.05, 0.95), "calibration targets are good to a few per cent"),)

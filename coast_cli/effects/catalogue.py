@@ -10,7 +10,7 @@ from coast_cli.effects.camera_offset import CameraOffset
 from coast_cli.effects.camera_scale import CameraScale
 from coast_cli.effects.capstan_hysteresis import CapstanHysteresis
 from coast_cli.effects.chord_section import ChordSection
-from coast_cli.effects.corrections import correction_parameters, own_values
+from coast_cli.effects.corrections import Correction, faults, own_values, unnamed_law
 from coast_cli.effects.coulomb_friction import CoulombFriction
 from coast_cli.effects.distributed_notch_friction import DistributedNotchFriction
 from coast_cli.effects.effect import STAGES, Effect
@@ -27,7 +27,7 @@ from coast_cli.effects.tendon_superelasticity import TendonSuperelasticity
 from coast_cli.effects.thermal_drift import ThermalDrift
 from coast_cli.effects.tip_load import TipLoad
 from coast_cli.effects.tube_superelasticity import TubeSuperelasticity
-from coast_cli.errors import BadInput, nearest
+from coast_cli.errors import BadInput
 
 # Listed in the order in which they act; a lag comes before the camera's scale and offset.
 CATALOGUE: dict[str, type[Effect]] = {
@@ -67,27 +67,22 @@ def in_order(effects: Iterable[Effect]) -> tuple[Effect, ...]:
     return tuple(sorted(effects, key=lambda e: (STAGES.index(e.stage), rank.get(e.id, len(rank)), e.id)))
 
 
-def build_effects(corrections: Mapping[str, Mapping[str, float]]) -> tuple[Effect, ...]:
-    """Return the effects of a ``[corrections]`` table: effect id -> parameter -> value; what only shapes have is left out.
+def build_effects(corrections: Mapping[str, Correction]) -> tuple[Effect, ...]:
+    """Return the effects of a ``[corrections]`` table that act on joints.
 
     Raises:
         BadInput: an effect or a parameter is unknown, or a value lies outside its range.
     """
-    known = correction_parameters()
-    effects = []
+    fault = next(faults(corrections), None)
+    if fault is not None:
+        key = ".".join(("corrections", *fault.path))
+        raise BadInput(fault.message, key=key, found=fault.found, allowed=fault.allowed, hint=fault.hint)
+    effects: list[Effect] = []
     for identifier, values in corrections.items():
-        key = f"corrections.{identifier}"
-        if identifier not in known:
-            raise BadInput("unknown effect", key=key, found=identifier, hint=nearest(identifier, known))
-        for name, value in values.items():
-            if name not in known[identifier]:
-                hint = nearest(name, known[identifier])
-                raise BadInput("unknown parameter", key=f"{key}.{name}", found=name, hint=hint)
-            low, high = known[identifier][name]
-            if not low <= value <= high:
-                raise BadInput("out of range", key=f"{key}.{name}", found=value, allowed=f"{low:g} to {high:g}")
-        effect = CATALOGUE.get(identifier)
-        own = own_values(effect.parameters, values) if effect is not None else {}
-        if effect is not None and own:
-            effects.append(effect(**own))
+        if identifier.startswith("unnamed_"):
+            effects.append(unnamed_law(identifier, values))
+        elif identifier in CATALOGUE:
+            effect = CATALOGUE[identifier]
+            own = own_values(effect.parameters, effect.scope, values, "joint")
+            effects += [effect(**own)] if own else []
     return in_order(effects)

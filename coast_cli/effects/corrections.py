@@ -1,14 +1,35 @@
 """What a ``[corrections]`` table may hold: the effects of joints and of shapes together, by id and parameter.
 
-A model that was corrected on shapes is compared on joints too: each kind of recording takes the effects of its own
-catalogue, and of an effect that both know the parameters that its own form has.
+A model that was corrected on shapes is compared on joints too. What belongs to the tubes goes along; what belongs to the bench
+or the camera stays with the kind of recording that it was found on, which the table's ``recording`` key says. A law without
+a name is a table of its own form (``unnamed.UnnamedLaw.table``).
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
 
-from coast_cli.effects.effect import Parameter
+from coast_cli.effects.effect import Parameter, Scope
+from coast_cli.effects.unnamed import UnnamedLaw
+from coast_cli.errors import nearest
+
+RecordingKind = Literal["joint", "shapes"]
+Correction = Mapping[str, float | str | Sequence[float]]
+_UNNAMED = re.compile(r"unnamed_([1-9])")
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """What is wrong in a ``[corrections]`` table: the keys below it, and what to say."""
+
+    path: tuple[str, ...]
+    message: str
+    found: float | str | None = None
+    allowed: str | None = None
+    hint: str | None = None
 
 
 def correction_parameters() -> Mapping[str, Mapping[str, tuple[float, float]]]:
@@ -25,7 +46,52 @@ def correction_parameters() -> Mapping[str, Mapping[str, tuple[float, float]]]:
     return found
 
 
-def own_values(parameters: tuple[Parameter, ...], values: Mapping[str, float]) -> dict[str, float]:
-    """Return the values that belong to these parameters."""
+def faults(corrections: Mapping[str, Correction]) -> Iterator[Fault]:
+    """Yield what is wrong in a table of corrections."""
+    known = correction_parameters()
+    for effect, values in corrections.items():
+        if _UNNAMED.fullmatch(effect):
+            try:
+                unnamed_law(effect, values)
+            except ValueError as error:
+                yield Fault((effect,), f"a damaged law without a name: {error}")
+        elif effect not in known:
+            yield Fault((effect,), "there is no such effect", allowed=", ".join(known), hint=nearest(effect, known))
+        else:
+            yield from _value_faults(effect, values, known[effect])
+
+
+def _value_faults(effect: str, values: Correction, ranges: Mapping[str, tuple[float, float]]) -> Iterator[Fault]:
+    for name, value in values.items():
+        if name == "recording":
+            if value not in ("joint", "shapes"):
+                yield Fault((effect, name), "not allowed", str(value), "joint or shapes")
+            continue
+        if name not in ranges:
+            allowed, hint = ", ".join(ranges), nearest(name, ranges)
+            yield Fault((effect, name), "there is no such parameter", allowed=allowed, hint=hint)
+            continue
+        low, high = ranges[name]
+        if not isinstance(value, int | float):
+            yield Fault((effect, name), "not a number", str(value), f"from {low:g} to {high:g}")
+        elif not low <= value <= high:
+            yield Fault((effect, name), "not allowed", float(value), f"from {low:g} to {high:g}")
+
+
+def unnamed_law(effect: str, values: Correction) -> UnnamedLaw:
+    """Return the law of a table ``unnamed_N``.
+
+    Raises:
+        ValueError: the table is damaged; the message says how.
+    """
+    return UnnamedLaw.from_table({k: v for k, v in values.items() if k != "recording"}, int(effect[-1]))
+
+
+def own_values(
+    parameters: tuple[Parameter, ...], scope: Scope, values: Correction, kind: RecordingKind
+) -> dict[str, float]:
+    """Return the values that belong to these parameters, none where they stay with the other kind of recording."""
+    if scope != "tube" and values.get("recording", kind) != kind:
+        return {}
     known = {parameter.name for parameter in parameters}
-    return {name: value for name, value in values.items() if name in known}
+    return {name: float(value) for name, value in values.items() if name in known and isinstance(value, int | float)}

@@ -17,8 +17,13 @@ from coast_cli.mechanics.section import FloatArray
 
 Stage = Literal["drive", "tendon", "transmission", "structure", "sensor"]
 Kind = Literal["physics", "sensor", "parameter"]
-Need = Literal["stroke", "time", "release", "hold", "rates", "reversals", "pairs", "outer"]
-Scale = Literal["", "curvature", "strain", "closure", "tension", "duration", "response", "stroke"]
+Scope = Literal["tube", "bench", "camera"]
+Need = Literal[
+    "stroke", "time", "release", "hold", "rates", "reversals", "pairs", "outer", "runs", "witness", "period", "load"
+]
+Scale = Literal[
+    "", "curvature", "strain", "closure", "tension", "duration", "response", "stroke", "period", "compliance"
+]
 STAGES: tuple[Stage, ...] = ("drive", "tendon", "transmission", "structure", "sensor")
 
 
@@ -33,7 +38,8 @@ class Parameter:
         starts: values from which a fit is started, as given or, with ``relative_to``, times that scale of the data.
         source: where the range comes from.
         needs: what a recording must hold for this number to be looked for; elsewhere it stays at its null.
-        role: "size" where the null makes the effect vanish, "shape" where it only says how it acts.
+        role: "size" where the null makes the effect vanish, "shape" where it only says how it acts, "run" where it is the
+            number of a run, which is chosen and never fitted.
         relative_to: the largest of this in the recording is what ``starts`` are multiples of; empty for absolute.
     """
 
@@ -44,7 +50,7 @@ class Parameter:
     starts: tuple[float, ...]
     source: str
     relative_to: Scale = ""
-    role: Literal["size", "shape"] = "size"
+    role: Literal["size", "shape", "run"] = "size"
     needs: Need | None = None
 
 
@@ -52,6 +58,8 @@ class Parameter:
 HOMED = Parameter(
     "homed", 0.0, 0.0, 1.0, (0.0, 1.0), "0: zeroed once on a straight segment; 1: at rest before each run", role="shape"
 )
+# Which run an effect of one run sits on: every run is tried.
+RUN = Parameter("run", 0.0, 0.0, 1e6, (0.0,), "number of the run in the recording, from 0", role="run")
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +68,7 @@ class History:
 
     ``stroke`` is None for a tension-driven run; where both are given the stroke drives. ``time`` is None where not
     recorded. ``earlier_tension`` is the largest tension (N) that earlier runs of the recording reached; ``run`` the run's
-    number in the recording, from 0.
+    number in the recording, from 0; ``load`` what the far end carries (N or N m), where recorded.
     """
 
     time: FloatArray | None
@@ -69,6 +77,7 @@ class History:
     bending_length: FloatArray
     earlier_tension: float = 0.0
     run: int = 0
+    load: FloatArray | None = None
 
     @property
     def drive(self) -> FloatArray:
@@ -96,7 +105,8 @@ class Effect:
 
     ``needs`` is what a recording must hold for the effect to show at all, ``unlikely`` the nats by which it starts behind
     the others. ``reverses`` says that load and release follow different branches, ``varies_along`` that notches bend
-    differently by their place. ``decided_by`` is the recording that tells the effect from its look-alikes.
+    differently by their place. ``scope`` says what it belongs to: what is not the tubes' own never goes along to another
+    kind of recording. ``decided_by`` is the recording that tells the effect from its look-alikes.
     """
 
     id: ClassVar[str]
@@ -104,6 +114,7 @@ class Effect:
     component: ClassVar[str]
     kind: ClassVar[Kind] = "physics"
     stage: ClassVar[Stage]
+    scope: ClassVar[Scope] = "tube"
     equation: ClassVar[str]
     source: ClassVar[str]
     parameters: ClassVar[tuple[Parameter, ...]]
@@ -154,6 +165,10 @@ class Effect:
     def weigh(self, tension: FloatArray, history: History) -> FloatArray:
         """Change the tension (N) on its way through the load cell."""
         return tension
+
+    def settle(self, curvature: FloatArray, history: History, joint: Joint, rigidity: float, arm: float) -> FloatArray:
+        """Let the segment's curvature (n, m) come late; ``rigidity`` in N m^2, ``arm`` the tendon's lever arm, m."""
+        return curvature
 
     @property
     def shapes_branches(self) -> bool:

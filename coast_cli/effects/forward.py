@@ -197,6 +197,9 @@ def _with_memory(
     slack, taken = np.zeros_like(history.drive), np.zeros_like(history.drive)
     for sweep in range(_SLACK_SWEEPS):
         curvature = _state(low, high, stations, effects)
+        rigidity, arm = float(np.mean(stations.segment.rigidity)), float(np.mean(stations.lever_arm))
+        for effect in effects:
+            curvature = effect.settle(curvature, history, joint, rigidity, arm)
         if driven:
             tension = _tension(joint, effects, history.drive - slack, curvature, stations, history.bending_length)
         else:

@@ -25,6 +25,7 @@ class Gravity(Effect):
     title = "weight of the segment"
     component = "environment"
     stage = "structure"
+    scope = "bench"
     equation = "M = M_elastic - share g w weight_arm(kappa, X2)"
     source = "P (3)-(7) for the weight; each notch of an arc feels its own moment, a joint of one station the mean"
     parameters = (

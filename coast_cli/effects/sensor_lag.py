@@ -26,6 +26,7 @@ class SensorLag(Effect):
     component = "camera"
     kind = "sensor"
     stage = "sensor"
+    scope = "camera"
     equation = "y' = (response(t - delay) - y)/time_constant"
     source = "first-order lag of exposure and filtering, dead time of transfer and time stamps"
     parameters = (

@@ -20,6 +20,7 @@ class TipLoad(Effect):
     title = "a force at the tip"
     component = "environment"
     stage = "structure"
+    scope = "bench"
     equation = "M = M_elastic - force arm(kappa, X2), arm = x_tip - x(s)"
     source = "statics of an arc: each notch feels its own arm, a joint of one station the mean"
     parameters = (

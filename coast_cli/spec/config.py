@@ -213,7 +213,7 @@ class Config(Document):
     rank: Rank | None = Field(None, description="references that `coast rank-pairs` measures its criteria in")
     explore: Explore | None = Field(None, description="design space that `coast explore` searches")
     tolerances: Tolerances | None = Field(None, description="how far finished tubes may be from the drawing")
-    corrections: dict[str, dict[str, float]] = Field(
+    corrections: dict[str, dict[str, float | str | list[float]]] = Field(
         default_factory=dict, description="effects that a diagnosis found, by id, with their fitted parameters"
     )
 

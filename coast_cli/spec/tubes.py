@@ -247,18 +247,8 @@ def _check_limits(config: Config) -> None:
 def _check_corrections(config: Config) -> None:
     if not config.corrections:
         return
-    from coast_cli.effects.corrections import correction_parameters
+    from coast_cli.effects.corrections import faults
 
-    known = correction_parameters()
-    for effect, parameters in config.corrections.items():
-        path: Path = ("corrections", effect)
-        if effect not in known:
-            raise config.refuse(path, "there is no such effect", allowed=", ".join(known), hint=nearest(effect, known))
-        ranges = known[effect]
-        for name, value in parameters.items():
-            if name not in ranges:
-                allowed, hint = ", ".join(ranges), nearest(name, ranges)
-                raise config.refuse((*path, name), "there is no such parameter", allowed=allowed, hint=hint)
-            low, high = ranges[name]
-            if not low <= value <= high:
-                raise config.refuse((*path, name), "not allowed", found=value, allowed=f"from {low:g} to {high:g}")
+    for fault in faults(config.corrections):
+        path: Path = ("corrections", *fault.path)
+        raise config.refuse(path, fault.message, found=fault.found, allowed=fault.allowed, hint=fault.hint)

@@ -19,6 +19,7 @@ class BaseTilt(ShapeEffect):
     title = "the clamp holds the tube at an angle"
     component = "clamp"
     stage = "structure"
+    scope = "bench"
     equation = "theta(0) = angle"
     source = "boundary condition of P (3)-(7)"
     parameters = (Parameter("angle_deg", 0.0, -30.0, 30.0, (1.0,), "a clamp set by eye is good to a degree or two"),)

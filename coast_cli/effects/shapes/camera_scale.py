@@ -20,6 +20,7 @@ class CameraScale(ShapeEffect):
     component = "camera"
     kind = "sensor"
     stage = "sensor"
+    scope = "camera"
     equation = "(x, y) -> scale (x, y)"
     source = "pixels per millimetre calibrated off the plane of bending"
     parameters = (Parameter("scale", 1.0, 0.5, 2.0, (1.02,), "calibration targets are good to a few per cent"),)

@@ -24,6 +24,7 @@ class CameraTilt(ShapeEffect):
     component = "camera"
     kind = "sensor"
     stage = "sensor"
+    scope = "camera"
     equation = "(x, y) -> (x, (1 - foreshortening) y) / (1 + perspective x)"
     source = "pinhole camera, to first order in the tilt about each axis"
     parameters = (

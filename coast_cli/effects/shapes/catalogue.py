@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from coast_cli.effects.corrections import own_values
+from coast_cli.effects.corrections import Correction, own_values
 from coast_cli.effects.shapes.base_tilt import BaseTilt
 from coast_cli.effects.shapes.camera_scale import CameraScale
 from coast_cli.effects.shapes.camera_tilt import CameraTilt
@@ -48,15 +48,15 @@ def in_order(effects: Iterable[ShapeEffect]) -> tuple[ShapeEffect, ...]:
     return tuple(sorted(effects, key=lambda effect: rank[effect.id]))
 
 
-def build_shape_effects(corrections: Mapping[str, Mapping[str, float]]) -> tuple[ShapeEffect, ...]:
+def build_shape_effects(corrections: Mapping[str, Correction]) -> tuple[ShapeEffect, ...]:
     """Return the effects of shapes in a ``[corrections]`` table; what only a joint has is left out.
 
-    The table was checked when it was read (``corrections.correction_parameters``).
+    The table was checked when it was read (``corrections.faults``).
     """
     effects = []
     for identifier, values in corrections.items():
         effect = SHAPE_CATALOGUE.get(identifier)
-        own = own_values(effect.parameters, values) if effect is not None else {}
+        own = own_values(effect.parameters, effect.scope, values, "shapes") if effect is not None else {}
         if effect is not None and own:
             effects.append(effect(**own))
     return in_order(effects)

@@ -18,6 +18,7 @@ class Gravity(ShapeEffect):
     title = "weight out of the plane"
     component = "environment"
     stage = "structure"
+    scope = "bench"
     equation = "w -> in_plane_share w"
     source = "P (3)-(7): the equations hold w/E alone, so with one material and no other load it is a modulus"
     parameters = (Parameter("in_plane_share", 1.0, 0.0, 2.0, (0.9,), "cosine of the plane's tilt"),)

@@ -20,6 +20,7 @@ class LensDistortion(ShapeEffect):
     component = "camera"
     kind = "sensor"
     stage = "sensor"
+    scope = "camera"
     equation = "r -> r (1 + radial r^2), r from the middle of the shape"
     source = "Brown, Photogrammetric Engineering 32 (1966) 444: first radial term"
     parameters = (Parameter("radial_per_m2", 0.0, -200.0, 200.0, (10.0,), "a few per cent at 50 mm"),)

@@ -19,6 +19,7 @@ class TipLoad(ShapeEffect):
     title = "a force at the tip"
     component = "environment"
     stage = "structure"
+    scope = "bench"
     equation = "V(s) = integral_s^L w - force"
     source = "statics of the beam, P (3)-(7)"
     parameters = (

@@ -1,0 +1,37 @@
+"""Compliance of a transmission: the cable stretches in proportion to the load that its far end carries."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from coast_cli.effects.effect import Effect, History, Parameter
+from coast_cli.units import MILLIMETRE
+
+
+@dataclass(frozen=True)
+class TransmissionCompliance(Effect):
+    """Stroke that the load of the far end takes."""
+
+    compliance_mm: float = 0.0
+
+    id = "transmission_compliance"
+    title = "cable stretches with the load of the far end"
+    component = "cable"
+    stage = "drive"
+    scope = "bench"
+    equation = "x = X1 - compliance load"
+    source = "elastic cable: Palli and Melchiorri, IEEE Int. Conf. Robotics and Automation (2006) 775"
+    parameters = (
+        Parameter("compliance_mm", 0.0, -1e5, 1e5, (0.05, -0.05), "mm a unit (N or N m) of load", "compliance"),
+    )
+    needs = ("load",)
+    decided_by = "the same sweep at two loads, with the load recorded"
+
+    def drive(self, history: History) -> History:
+        """Take off what the cable stretches."""
+        if history.load is None or self.compliance_mm == 0.0:
+            return history
+        lost = self.compliance_mm * MILLIMETRE * history.load
+        if history.stroke is not None:
+            return replace(history, stroke=history.stroke - lost)
+        return replace(history, tension=history.drive - lost)
