@@ -36,12 +36,20 @@ def parser() -> argparse.ArgumentParser:
             step.add_argument("--baselines", type=int, default=0, help="also run the other answers on this many cases")
             step.add_argument("--plots", action="store_true", help="confusion matrix and reliability as pictures")
             step.add_argument("--sha256", help="the seal printed by make")
+    steps.add_parser(
+        "laws", help="print the laws that leave the catalogue, the near twins and the digest that freezes them"
+    )
     return top
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run one step; the table goes to stdout, the rest to stderr."""
     given = parser().parse_args(arguments)
+    if given.step == "laws":
+        from examples.concealed.laws import listing
+
+        sys.stdout.write(listing())
+        return 0
     digest = getattr(given, "sha256", None)
     if given.step in ("make", "all"):
         from examples.concealed.seal import build_all, write

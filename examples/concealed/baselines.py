@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from examples.concealed.draw import draw_world
+from examples.concealed.laws import RECIPES
 from examples.concealed.lumped import FORMS, Data, fit_form
-from examples.concealed.recipes import RECIPES
 from examples.concealed.refit import SCALE, START, Rows, free_parameters
 from examples.concealed.world import World, play_protocol
 

@@ -2,7 +2,8 @@
 
 Levels: L0 clean, LP a configured parameter is wrong, L1 one effect the recording can show, L2 one effect that the
 recording's calibration absorbs, L3 one effect under the noise, L4 a second effect behind a bigger one, L5 a sensor
-artefact or its physical twin, L6 something outside the catalogue.
+artefact or its physical twin, L6 something outside the catalogue, L8 an effect of the catalogue that the answering side
+is told to forget, L9 a bench fault.
 """
 
 from __future__ import annotations
@@ -11,12 +12,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from examples.concealed.camera import noisy
-from examples.concealed.design import config_text
+from examples.concealed.design import Joint, config_text
 from examples.concealed.draw import draw_world
-from examples.concealed.protocol import REQUESTS, requested_protocol
-from examples.concealed.recipes import OUTSIDE, RECIPES, TWINS
+from examples.concealed.faults import doubled_rows
+from examples.concealed.laws import BENCH_NAMES, NEAR_TWINS, OUTSIDE, RECIPES, TWINS
+from examples.concealed.protocol import REQUESTS, RunPlan, requested_protocol
 from examples.concealed.refit import refit
 from examples.concealed.world import Array, Played, World, play_protocol
 
@@ -25,7 +28,8 @@ from examples.concealed.world import Array, Played, World, play_protocol
 class Case:
     """A recording with its configuration (both handed out) and its truth (sealed).
 
-    `held_out` names the run kept from fitting; `laboratory` holds the further recordings that an answer may ask for.
+    `held_out` names the run kept from fitting; `laboratory` holds the further recordings that an answer may ask for;
+    `without` the effects that are concealed from the catalogue.
     """
 
     config_text: str
@@ -33,6 +37,7 @@ class Case:
     truth: dict[str, object]
     held_out: tuple[str, ...] = ()
     laboratory: Mapping[str, str] = field(default_factory=dict)
+    without: tuple[str, ...] = ()
 
 
 def make_case(seed: int, level: str | None = None, effect: str | None = None) -> Case:
@@ -48,50 +53,68 @@ def record(world: World, seed: int, level: str, names: list[str], sizes: Mapping
     played = play_protocol(world.actual, world.protocol, world.effects, world.curvature, world.streams)
     rng = np.random.default_rng([*world.streams, 5])
     truth = played.response + misfit(rng, played, world)
-    files, runs = write_files(rng, world, played, camera(rng, world, truth, played))
+    seen = camera(rng, world, truth, played)
+    copies = np.arange(played.rows.run.size)
+    if doubled := world.effects.get("doubled_rows"):
+        copies = doubled_rows(copies.size, float(doubled["share"]), rng)  # type: ignore[arg-type]
+    files, runs = write_files(rng, world, played, seen, copies=copies)
+    joint, given = world.actual.joint, world.robot.joint
     sealed: dict[str, object] = {
         "level": level,
         "seed": seed,
         "kind": "joint",
-        "effects": [
-            {
-                "id": name,
-                "kind": RECIPES[name].kind,
-                "component": RECIPES[name].component,
-                "noise_widths": round(sizes.get(name, 0.0), 3),
-                "parameters": world.effects[name],
-            }
-            for name in names
-        ],
+        "effects": [_effect(name, world, runs, sizes.get(name, 0.0)) for name in names],
         "twins": sorted({*world.twins, *TWINS.get(names[0], ())}) if names else [],
-        "near": list(RECIPES[names[0]].near) if names else [],
         "identifiable": level not in ("L2", "L3"),
-        "where": [] if not names or names[0] in OUTSIDE else where(world, played, names[0]),
+        "where": [] if not names or names[0] in OUTSIDE else where(world, played, names[0], runs),
         "noise": {"sigma": world.sigma, **world.noise},
         "unit": {"curvature": "curvature_per_m", "bend": "bend_deg", "notch": "notch_deg"}[world.protocol.response],
-        "parameters": {
-            "youngs_modulus_gpa": world.actual.joint.youngs_modulus / 1e9,
-            "pulley_friction": world.actual.joint.pulley_friction,
-            "notch_friction": world.actual.joint.notch_friction,
-            "deadband_mm": world.actual.joint.deadband * 1e3,
-        },
-        "configured": {
-            "youngs_modulus_gpa": world.robot.joint.youngs_modulus / 1e9,
-            "pulley_friction": world.robot.joint.pulley_friction,
-            "notch_friction": world.robot.joint.notch_friction,
-            "deadband_mm": world.robot.joint.deadband * 1e3,
-            "wrap_angle_rad": world.robot.joint.wrap_angle,
-        },
+        "parameters": _numbers(joint),
+        "configured": {**_numbers(given), "wrap_angle_rad": given.wrap_angle},
         "bends_mm": {name: world.protocol.runs[i].length * 1e3 for i, name in enumerate(runs)},
         "protocol": {name: world.protocol.runs[i].kind for i, name in enumerate(runs)},
-        "response": {name: np.round(truth[played.rows.run == i], 6).tolist() for i, name in enumerate(runs)},
+        "response": {
+            name: np.round(truth[copies][played.rows.run[copies] == i], 6).tolist() for i, name in enumerate(runs)
+        },
     }
     held_out = () if world.held_out is None else (runs[world.held_out],)
     laboratory = {}
     if level == "L2":
         for number, request in enumerate(REQUESTS):
             laboratory[request] = further_recording(world, request, number)
-    return Case(config_text(world.robot), files, sealed, held_out, laboratory)
+    return Case(config_text(world.robot), files, sealed, held_out, laboratory, without(level, names, world.twins))
+
+
+def without(level: str, names: list[str], rivals: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the names that leave-one-out conceals: the truth, its near twins, and what this recording cannot tell it from."""
+    return tuple(sorted({names[0], *NEAR_TWINS.get(names[0], ()), *rivals})) if level == "L8" else ()
+
+
+def _numbers(joint: Joint) -> dict[str, float]:
+    return {
+        "youngs_modulus_gpa": joint.youngs_modulus / 1e9,
+        "pulley_friction": joint.pulley_friction,
+        "notch_friction": joint.notch_friction,
+        "deadband_mm": joint.deadband * 1e3,
+    }
+
+
+def _effect(name: str, world: World, runs: list[str], size: float) -> dict[str, object]:
+    """Return what is true of one effect: name, component, size, parameters, what is known of its law, the run it is in."""
+    recipe, parameters = RECIPES[name], world.effects[name]
+    stages = recipe.nature.stages
+    if name == "periodic_disturbance":
+        stages = (str(parameters["acts_on"]),)
+    return {
+        "id": BENCH_NAMES.get(name, name),
+        "law": name,
+        "kind": recipe.kind,
+        "component": recipe.component,
+        "noise_widths": round(size, 3),
+        "parameters": parameters,
+        "nature": {**vars(recipe.nature), "stages": stages},
+        "run": runs[int(parameters["run"])] if "run" in parameters else None,  # type: ignore[call-overload]
+    }
 
 
 def further_recording(world: World, request: str, number: int) -> str:
@@ -109,18 +132,34 @@ def further_recording(world: World, request: str, number: int) -> str:
 def camera(rng: np.random.Generator, world: World, truth: Array, played: Played) -> Array:
     """Return the response as recorded; noise runs on through a run and starts afresh in the next."""
     return np.concatenate(
-        [noisy(truth[played.rows.run == run], world.sigma, world.noise, rng) for run in range(len(world.protocol.runs))]
+        [
+            noisy(truth[played.rows.run == run], world.sigma, world.noise, rng, branch_rows(plan))
+            for run, plan in enumerate(world.protocol.runs)
+        ]
     )
 
 
+def branch_rows(plan: RunPlan) -> int:
+    """Return how many rows lie between two reversals of a run, on average."""
+    way = np.sign(np.diff(plan.fraction[plan.recorded]))
+    way = way[way != 0]
+    return plan.recorded.size // (1 + int(np.sum(way[1:] != way[:-1])))
+
+
 def misfit(rng: np.random.Generator, played: Played, world: World) -> Array:
-    """Return a small smooth misfit of no name, 0.03 to 0.15 noise widths: "none" never means exact."""
-    size = world.sigma * rng.uniform(0.03, 0.15)
+    """Return a small misfit of no name: a smooth one, and runs and notches that differ. "None" never means exact.
+
+    Each part is 0.02 to 0.25 noise widths (RMS), drawn anew for every case.
+    """
+    smooth, between, along = world.sigma * np.exp(rng.uniform(np.log(0.02), np.log(0.25), 3))
     full = max(float(np.abs(played.response).max()), 1e-9)
     phase, turns = rng.uniform(0, 2 * np.pi), rng.uniform(0.5, 1.5)
     length = played.rows.length[:, None] / 0.04
-    notch = np.arange(played.response.shape[1])[None, :]
-    return size * np.sqrt(2) * np.sin(2 * np.pi * turns * played.response / full + phase + 1.5 * length + notch)
+    share = played.response / full
+    wave = np.sqrt(2) * np.sin(2 * np.pi * turns * share + phase + 1.5 * length)
+    run = rng.standard_normal(len(world.protocol.runs))[played.rows.run][:, None]
+    notch = rng.standard_normal(played.response.shape[1])[None, :] * (played.response.shape[1] > 1)
+    return smooth * wave + (between * run + along * notch) * share
 
 
 def write_files(
@@ -131,8 +170,9 @@ def write_files(
     *,
     style: str | None = None,
     one_file: bool = False,
+    copies: NDArray[np.intp] | None = None,
 ) -> tuple[dict[str, str], list[str]]:
-    """CSV text of one or several files and the names of the runs."""
+    """CSV text of one or several files and the names of the runs; `copies` are the rows to write, where some stand twice."""
     protocol, driven = world.protocol, world.actual.joint.tendon_radius > 0
     style = style or str(rng.choice(["run_{}", "r{}", "test{}", "{}"]))
     runs = [style.format(i + 1) for i in range(len(protocol.runs))]
@@ -149,7 +189,8 @@ def write_files(
         played.tension.size
     )
     blocks: list[list[str]] = [[] for _ in protocol.runs]
-    for row, run in enumerate(played.rows.run):
+    for row in np.arange(drive.size) if copies is None else copies:
+        run = played.rows.run[row]
         plan = protocol.runs[run]
         cells = [runs[run]] + ([f"{played.time[row]:.4f}"] if protocol.has_time else [])
         cells += [
@@ -168,13 +209,16 @@ def write_files(
     return {f"recording_{i + 1}.csv": "\n".join([head, *block]) + "\n" for i, block in enumerate(blocks)}, runs
 
 
-def where(world: World, played: Played, name: str) -> list[dict[str, object]]:
+def where(world: World, played: Played, name: str, runs: list[str]) -> list[dict[str, object]]:
     """Return where the main effect is to be found.
 
     That is past its threshold, where it has one, and on every axis the narrowest window that holds 90 % of what the
-    refitted base model leaves of the noiseless response.
+    refitted base model leaves of the noiseless response; a fault of one run is in that run and nowhere else.
     """
     recipe, parameters = RECIPES[name], world.effects[name]
+    one_run = [] if "run" not in parameters else [_place("run", runs[int(parameters["run"])])]  # type: ignore[call-overload]
+    if one_run and name != "lost_steps":
+        return one_run
     left = ((played.response - refit(played.rows, played.response)[1][:, None]) ** 2).sum(axis=1)
     rows, joint = played.rows, world.actual.joint
     per_degree = np.radians(1) / (joint.middle.pitch if rows.kind == "notch" else rows.length)
@@ -184,28 +228,31 @@ def where(world: World, played: Played, name: str) -> list[dict[str, object]]:
         "time": played.time,
         "bending_length": rows.length * 1e3,
     } | ({"tension": played.tension} if world.protocol.has_tension else {})
-    out: list[dict[str, object]] = []
+    out: list[dict[str, object]] = list(one_run)
     for axis, along in values.items():
         low, high = narrowest(along, left)
         # A window as wide as the axis says nothing of a place.
         if high - low <= 0.8 * float(np.ptp(along)):
-            out.append({"axis": axis, "value": None, "low": low, "high": high})
+            out.append(_place(axis, None, low, high))
         if key := THRESHOLDS.get((name, axis)):
-            out.append({"axis": axis, "value": None, "low": float(parameters[key]), "high": float(along.max())})  # type: ignore[arg-type]
+            out.append(_place(axis, None, float(parameters[key]), float(along.max())))  # type: ignore[arg-type]
     moving = np.concatenate([np.gradient(rows.drive[rows.run == run]) for run in range(len(world.protocol.runs))])
     load, release = (float(left[side].sum()) for side in (moving > 0, moving < 0))
     # A branch is where the excess is if it holds two thirds of it; else both are.
     sides = [side for side, held in (("load", load), ("release", release)) if held > (load + release) / 3]
-    out += [{"axis": "direction", "value": side, "low": None, "high": None} for side in sides]
+    out += [_place("direction", side) for side in sides]
     listed = {entry["axis"] for entry in out}
-    return out + [
-        {"axis": axis, "value": None, "low": None, "high": None} for axis in recipe.axes if axis not in listed
-    ]
+    return out + [_place(axis) for axis in recipe.axes if axis not in listed]
+
+
+def _place(
+    axis: str, value: str | None = None, low: float | None = None, high: float | None = None
+) -> dict[str, object]:
+    return {"axis": axis, "value": value, "low": low, "high": high}
 
 
 THRESHOLDS = {
     ("tendon_superelasticity", "tension"): "knee_tension_n",
-    ("tube_superelasticity", "curvature"): "knee_curvature_per_m",
     ("notch_closure", "curvature"): "contact_curvature_per_m",
 }
 

@@ -10,16 +10,34 @@ from dataclasses import replace
 
 import numpy as np
 
+from examples.concealed.bending import strain_per_curvature
 from examples.concealed.camera import draw_noise
 from examples.concealed.design import Robot, draw_robot
+from examples.concealed.laws import BENCH, FAR, JOINT_EFFECTS, NEAR_SPAN, OUTSIDE, RECIPES, TWINS
 from examples.concealed.lumped import Data, rivals
 from examples.concealed.protocol import Needs, Protocol, draw_protocol, requested_protocol
-from examples.concealed.recipes import JOINT_EFFECTS, OUTSIDE, RECIPES, TWINS, Context
-from examples.concealed.refit import surviving
-from examples.concealed.world import World, play_protocol
+from examples.concealed.recipes import Context
+from examples.concealed.refit import base_tension, refit, surviving
+from examples.concealed.world import Played, World, play_protocol
 
-LEVELS = {"L0": 0.22, "LP": 0.06, "L1": 0.34, "L2": 0.09, "L3": 0.06, "L4": 0.08, "L5": 0.07, "L6": 0.08}
-NEUTRAL = {"stiffness_ratio": 1.0, "scale": 1.0, "compliance_ratio": 1.0}
+LEVELS = {
+    "L0": 0.20,
+    "LP": 0.05,
+    "L1": 0.26,
+    "L2": 0.07,
+    "L3": 0.05,
+    "L4": 0.07,
+    "L5": 0.06,
+    "L6": 0.09,
+    "L8": 0.08,
+    "L9": 0.07,
+}
+# Sizes of the main effect, in noise widths above the refitted base model.
+SIZES = {"L3": (0.5, 3.0), "L4": (8.0, 30.0), "L6": (3.0, 30.0), "L8": (3.0, 30.0), "L9": (2.0, 20.0)}
+# What an amplitude is worth where the law does nothing, if not zero.
+NEUTRAL = {"scale": 1.0, "gain": 1.0, ("notch_crack", "compliance_ratio"): 1.0}
+# Stiffness absorbs these in the response; only a load cell sees them.
+SHOWN_BY_TENSION = ("transmission_compliance", "load_cell_scale", "load_cell_offset")
 NOISE_RANGE = {"curvature": (0.05, 0.5), "bend": (0.1, 0.6), "notch": (0.1, 0.6)}
 
 
@@ -29,13 +47,9 @@ def draw_world(
     """Robot, protocol, effects, noise of a seed; the effects' names, main one first; their sizes in noise widths."""
     rng = np.random.default_rng([seed, 20230714])
     if level is None:
-        level = (
-            "L1"
-            if effect in JOINT_EFFECTS
-            else "L6"
-            if effect in OUTSIDE
-            else str(rng.choice(list(LEVELS), p=list(LEVELS.values())))
-        )
+        known = (("L1", JOINT_EFFECTS), ("L6", OUTSIDE), ("L9", BENCH))
+        drawn = str(rng.choice(list(LEVELS), p=list(LEVELS.values())))
+        level = next((name for name, laws in known if effect in laws), drawn)
     for attempt in range(98):
         # Many protocols are tried before another effect is taken: none is rarer for being harder to show.
         names = _choose_effects(np.random.default_rng([seed, 78, attempt // 14]), level, effect)
@@ -46,7 +60,8 @@ def draw_world(
 
 
 def _choose_effects(rng: np.random.Generator, level: str, effect: str | None) -> list[str]:
-    catalogue = list(JOINT_EFFECTS)
+    # What only a load cell sees has no size in noise widths of the camera.
+    catalogue = [name for name in JOINT_EFFECTS if level not in ("L3", "L4") or name not in SHOWN_BY_TENSION]
     if level in ("L0", "LP"):
         return []
     if level == "L4":
@@ -73,11 +88,24 @@ def _choose_effects(rng: np.random.Generator, level: str, effect: str | None) ->
             )
         ]
     if level == "L6":
-        return [effect or str(rng.choice(list(OUTSIDE)))]
+        return [effect] if effect else _outsiders(rng)
+    if level == "L9":
+        return [effect or str(rng.choice(list(BENCH)))]
     if level == "L2":
         return [effect or str(rng.choice([name for name in catalogue if name in HIDING]))]
     # A camera's scale is a stiffness to every recording of curvature alone: levels L2 and L5 hold it.
     return [effect or str(rng.choice([name for name in catalogue if name != "camera_scale"]))]
+
+
+def _outsiders(rng: np.random.Generator) -> list[str]:
+    """Return one law near the span, two at once, or one far from it."""
+    near = list(NEAR_SPAN)
+    style = str(rng.choice(["one", "two", "far"], p=[0.6, 0.25, 0.15]))
+    if style == "far":
+        return [str(rng.choice(list(FAR)))]
+    first, second = (str(name) for name in rng.choice(near, 2, replace=False))
+    sheaths = {"stribeck_sheath", "drying_sheath"}
+    return [first] if style == "one" or {first, second} == sheaths else [first, second]
 
 
 def _loading_only(p: Protocol) -> bool:
@@ -156,8 +184,8 @@ def _try_world(
     if protocol.slack_start and not wrist and robot.joint.deadband < 0.3e-3:
         robot = replace(robot, joint=replace(robot.joint, deadband=round(rng.uniform(0.3, 1.6), 2) * 1e-3))
     actual = _actual(rng, robot, level)
-    curvature = _largest_curvature(rng, actual, protocol, wrist=wrist)
-    noise = draw_noise(rng)
+    curvature = _largest_curvature(rng, actual, protocol, names, wrist=wrist)
+    noise = draw_noise(rng, slow=level in ("L0", "LP"))
     low, high = NOISE_RANGE[protocol.response]
     sigma = float(np.exp(rng.uniform(np.log(low), np.log(high))))
     world = World(robot, actual, {}, noise, sigma, curvature, protocol, [seed, int(rng.integers(2**31))], held_out)
@@ -165,16 +193,36 @@ def _try_world(
         return world, names, {}
     context = _context(actual, protocol, curvature)
     world.effects = {name: RECIPES[name].draw(rng, context) for name in names}
+    for values in world.effects.values():
+        if not _knee_within(values, context):
+            return None
+        if values.get("full") == 0.0:
+            values["full"] = _full_scale(world)
     if level == "L2":
         return _hide(rng, world, names)
-    wanted = {"L3": (0.5, 3.0), "L4": (8.0, 30.0)}.get(level, (3.0, 40.0))
+    wanted = SIZES.get(level, (3.0, 40.0))
     target = float(np.exp(rng.uniform(np.log(wanted[0]), np.log(wanted[1]))))
-    found = _scale(world, names, target, wanted[0], float(rng.uniform(1.0, 4.0)))
-    if found is None or level in ("L4", "L6"):
+    behind = target * rng.uniform(0.35, 0.9) if level == "L6" else float(rng.uniform(1.0, 4.0))
+    if names[0] in ("doubled_rows", *SHOWN_BY_TENSION):
+        # What does not touch the response is not scaled by it.
+        sizes = _sizes(world, names)
+        return (world, names, sizes) if sizes[names[0]] >= RECIPES[names[0]].floor else None
+    found = _scale(world, names, target, wanted[0], behind)
+    if found is None or level in ("L4", "L6", "L9"):
         return found
     world.twins = find_rivals(world, names[0])
     # L1 and L5 promise that the recording can tell; elsewhere a rival is part of the truth.
     return None if world.twins and level in ("L1", "L5") else found
+
+
+def _knee_within(values: dict[str, object], context: Context) -> bool:
+    """Return whether a knee that a data sheet gives lies inside the range, with enough of it on either side."""
+    knees = {
+        "knee_tension_n": context.tension,
+        "knee_strain": context.curvature * strain_per_curvature(context.joint),
+        "contact_curvature_per_m": context.curvature,
+    }
+    return all(0.3 < float(values[key]) / largest < 0.85 for key, largest in knees.items() if key in values)  # type: ignore[arg-type]
 
 
 def _hide(rng: np.random.Generator, world: World, names: list[str]) -> tuple[World, list[str], dict[str, float]] | None:
@@ -234,7 +282,7 @@ def _scale(
                 break
     sizes = _sizes(world, names)
     worst = min(0.8 * least, RECIPES[names[0]].floor * (2.0 if len(names) == 2 else 1.0))
-    if sizes[names[0]] < worst or (len(names) == 2 and not 0.6 < sizes[names[1]] < 6):
+    if sizes[names[0]] < worst or (len(names) == 2 and not 0.55 * second < sizes[names[1]] < 1.8 * second):
         return None
     return world, names, sizes
 
@@ -248,13 +296,11 @@ def _amplify(world: World, name: str, ratio: float) -> bool:
     """Scale an effect's amplitude within its physical limits; false when it did not move."""
     recipe, parameters = RECIPES[name], world.effects[name]
     key = recipe.amplitude
-    neutral, before = NEUTRAL.get(key, 0.0), float(parameters[key])  # type: ignore[arg-type]
+    neutral, before = NEUTRAL.get((name, key), NEUTRAL.get(key, 0.0)), float(parameters[key])  # type: ignore[arg-type]
     value = neutral + (before - neutral) * ratio
     low, high = recipe.limits
     if name == "thermal_drift":
         high = 0.4 if parameters["acts_on"] == "stiffness" else 20.0
-    if name == "clock_drop":
-        value = float(round(value))
     value = float(np.clip(value, low, high)) if neutral else float(np.sign(value) * np.clip(abs(value), low, high))
     parameters[key] = value
     return abs(value - before) > 0.02 * abs(before - neutral)
@@ -264,6 +310,8 @@ def _sizes(world: World, names: list[str]) -> dict[str, float]:
     """RMS of each effect that survives a refit of the base model, in noise widths."""
     played = play_protocol(world.actual, world.protocol, world.effects, world.curvature, world.streams)
     clean = play_protocol(world.actual, world.protocol, {}, world.curvature, world.streams).response
+    if names[0] in SHOWN_BY_TENSION:
+        return {names[0]: _tension_size(played)}
     if len(names) == 1:
         return {names[0]: surviving(played.rows, played.response) / world.sigma}
     out = {}
@@ -272,6 +320,16 @@ def _sizes(world: World, names: list[str]) -> dict[str, float]:
         without = play_protocol(world.actual, world.protocol, others, world.curvature, world.streams).response
         out[name] = surviving(played.rows, clean + played.response - without) / world.sigma
     return out
+
+
+def _tension_size(played: Played) -> float:
+    """RMS of the tension that the base model, refitted to the response, does not explain, in widths of its noise.
+
+    A load cell's noise is about half a per cent of full scale.
+    """
+    best, _ = refit(played.rows, played.response)
+    left = played.tension - base_tension(played.rows, best)
+    return float(np.sqrt(np.mean(left**2)) / (0.005 * played.tension.max()))
 
 
 def _actual(rng: np.random.Generator, robot: Robot, level: str) -> Robot:
@@ -300,8 +358,17 @@ def _actual(rng: np.random.Generator, robot: Robot, level: str) -> Robot:
     )
 
 
-def _largest_curvature(rng: np.random.Generator, actual: Robot, protocol: Protocol, *, wrist: bool) -> float:
-    """Return a largest curvature (1/m) that keeps tendon strain and notch bend believable."""
+def _largest_curvature(
+    rng: np.random.Generator, actual: Robot, protocol: Protocol, names: Sequence[str], *, wrist: bool
+) -> float:
+    """Return a largest curvature (1/m) that keeps tendon strain and notch bend believable.
+
+    Where a law has its knee where a data sheet puts it, the range reaches past the knee.
+    """
+    reach = next((RECIPES[name].reach for name in names if RECIPES[name].reach), None)
+    if reach is not None:
+        curvature = reach(rng, actual.joint)
+        return curvature if wrist else min(curvature, 70.0, *(2.6 / plan.length for plan in protocol.runs))
     if wrist:
         return float(np.radians(rng.uniform(6, 22)) / actual.joint.middle.pitch)
     curvature = rng.uniform(10, 45)
@@ -322,10 +389,12 @@ def _context(actual: Robot, protocol: Protocol, curvature: float) -> Context:
     span = float(np.median([float(stroke) - joint.deadband for (stroke, _), joint in zip(tops, joints, strict=True)]))
     return Context(
         joints[0],
+        actual,
         curvature,
         float(np.median([float(tension) for _, tension in tops])),
         max(span, 1e-6) * 1e3,
         float(np.median([plan.time[-1] for plan in plans])),
         protocol.dt,
         protocol.response == "bend",
+        len(plans),
     )

@@ -95,6 +95,23 @@ def _snap(data: Data, kappa: Array, p: Array) -> Array:
     return out
 
 
+def _speed(data: Data) -> Array:
+    """Speed of the drive with its sign, over the mean speed."""
+    out = np.zeros(data.time.size)
+    for rows in data.runs():
+        out[rows] = np.gradient(
+            data.rows.drive[rows], np.maximum.accumulate(data.time[rows] + 1e-9 * np.arange(rows.size))
+        )
+    return out / max(float(np.abs(out).mean()), 1e-12)
+
+
+def _plateaus(data: Data, kappa: Array, p: Array) -> Array:
+    """Extra bend between an upper plateau on load and a lower one on release."""
+    knee, lower = p[1] * data.top, float(np.clip(p[2], 0.1, 1.0))
+    past = np.maximum(kappa - knee, 0)
+    return kappa + abs(p[0]) * follow(data, past, past, np.maximum(kappa - lower * knee, 0))
+
+
 def _moment_power(data: Data, power: int) -> Array:
     """Shape of a bend at rest that grows with a power of the length, in the recording's unit."""
     return (data.rows.length / 0.04) ** (power + (data.rows.kind == "bend"))
@@ -141,6 +158,9 @@ RESPONSE: dict[str, tuple[Map, Starts]] = {
     "distributed_notch_friction": (lambda d, k, p: k / (1 + np.abs(p[0] * k) / d.top), ((0.1,),)),
     "thermal_drift": (lambda d, k, p: k * (1 + p[0] * d.elapsed()) + p[1] * d.top * d.elapsed(), ((0.03, 0.0),)),
     "sensor_lag": (lambda d, k, p: filtered(d, k, abs(p[0])), ((0.01,), (0.03,))),
+    "viscous_friction": (lambda d, k, p: k - abs(p[0]) * d.top * _speed(d) / _relative_gain(d), ((0.03,), (0.1,))),
+    "tube_hysteresis": (_plateaus, ((0.2, 0.6, 0.7), (0.2, 0.4, 0.6))),
+    "transmission_compliance": (lambda d, k, p: k / (1 + abs(p[0]) * 0.01 / d.rows.length), ((0.1,),)),
 }
 FORMS = (*DRIVE, *RESPONSE)
 
@@ -217,7 +237,10 @@ CLOSE: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "gravity": (("tip_load", "precurvature", "camera_offset"), ()),
     "bending_length_offset": (("camera_offset", "precurvature", "tip_load"), ()),
     "thermal_drift": (("tendon_creep", "tendon_permanent_set", "tendon_superelasticity"), ()),
-    "sensor_lag": (("coulomb_friction", "capstan_hysteresis", "backlash", "tendon_creep"), ()),
+    "sensor_lag": (("viscous_friction", "coulomb_friction", "capstan_hysteresis", "backlash", "tendon_creep"), ()),
+    "viscous_friction": (("sensor_lag", "coulomb_friction", "capstan_hysteresis", "backlash", "tendon_creep"), ()),
+    "tube_hysteresis": (("coulomb_friction", "capstan_hysteresis", "backlash", "tube_superelasticity"), ()),
+    "transmission_compliance": (("bending_length_offset",), ("tendon_superelasticity",)),
 }
 EVIDENCE = 30.0
 
@@ -232,7 +255,7 @@ def rivals(name: str, data: Data, sigma: float, correlation: float, *, tension: 
     always, settled = CLOSE[name]
     candidates = always if tension else (*always, *settled)
     if data.rows.kind == "notch":
-        candidates = tuple(other for other in settled if other != "backlash")
+        candidates = tuple(other for other in settled if other not in ("backlash", "tendon_superelasticity"))
     if not candidates:
         return []
     independent = int(data.train.sum()) * (1 - correlation) / (1 + correlation)

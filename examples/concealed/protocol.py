@@ -132,6 +132,30 @@ def _run(
     return time, np.interp(time, knots, drives), np.searchsorted(time, sampled).astype(np.int64)
 
 
+def _as_people_do(rng: np.random.Generator, plan: RunPlan, habit: str) -> RunPlan:
+    """Return a run as it is really taken: at uneven speed, interrupted, or recorded from somewhere on the way."""
+    if habit == "uneven":
+        # The hand that turns the screw is now faster, now slower; drive and rows keep their order.
+        share = (plan.time - plan.time[0]) / (plan.time[-1] - plan.time[0])
+        a, b, phase = rng.uniform(0.3, 0.8), rng.integers(2, 6), rng.uniform(0, 2 * np.pi)
+        warped = share + a * (np.sin(2 * np.pi * b * share + phase) - np.sin(phase)) / (2 * np.pi * b)
+        return replace(plan, fraction=np.interp(warped / warped[-1], share, plan.fraction))
+    if habit == "stopped":
+        keep = plan.time[plan.recorded] <= rng.uniform(0.72, 0.95) * plan.time[-1]
+        last = int(plan.recorded[keep][-1]) + 1
+        return replace(plan, time=plan.time[:last], fraction=plan.fraction[:last], recorded=plan.recorded[keep])
+    if habit == "paused":
+        # Somebody came in: the drive waits, the clock and mostly the camera run on.
+        at = int(rng.uniform(0.2, 0.8) * plan.recorded.size)
+        wait = rng.uniform(0.1, 0.4) * (plan.time[-1] - plan.time[0])
+        return replace(plan, time=plan.time + wait * (np.arange(plan.time.size) > plan.recorded[at]))
+    # The camera is started when the drive is already under way: what went before is not in the file.
+    return replace(plan, recorded=plan.recorded[int(rng.uniform(0.1, 0.3) * plan.recorded.size) :])
+
+
+HABITS = ("uneven", "stopped", "paused", "late")
+
+
 def draw_protocol(rng: np.random.Generator, outers: int, middles: int, *, wrist: float | None = None) -> Protocol:
     """Return a random protocol; `wrist` is the full length (m) of a tension-driven tube recorded notch by notch."""
     runs_wanted = int(rng.choice([2, 3, 3, 4, 4, 5, 6]))
@@ -163,6 +187,12 @@ def draw_protocol(rng: np.random.Generator, outers: int, middles: int, *, wrist:
         outer = None if not outers else (int(rng.integers(outers)) if several_pairs else 0)
         middle = int(rng.integers(middles)) if several_pairs else 0
         plans.append(RunPlan(outer, middle, float(lengths[index % len(lengths)]), kind, time, fraction, recorded))
+    if rng.random() < 0.25:
+        # The same run once more, as a check.
+        plans[-1] = plans[int(rng.integers(len(plans)))]
+    if rng.random() < 0.4:
+        habit = str(rng.choice(HABITS))
+        plans = [_as_people_do(rng, plan, habit) if rng.random() < 0.6 else plan for plan in plans]
     return Protocol(
         tuple(plans),
         "notch" if wrist is not None else str(rng.choice(["curvature", "curvature", "bend"])),

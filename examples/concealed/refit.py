@@ -37,23 +37,39 @@ START = np.array([0.0, 0.0, 0.0])
 SCALE = np.array([1.0, 0.01, 1e-3])
 
 
+def trial_joint(joint: Joint, parameters: Array) -> Joint:
+    """Return the joint with (ln stiffness ratio, eta step / 0.01, deadband step in mm) applied."""
+    stiffness, eta, deadband = np.asarray(parameters) * SCALE
+    return replace(
+        joint,
+        youngs_modulus=joint.youngs_modulus * np.exp(stiffness),
+        notch_friction=joint.notch_friction + eta,
+        deadband=joint.deadband + deadband,
+    )
+
+
+def base_tension(rows: Rows, parameters: Array) -> Array:
+    """Return the actuator tension (N) of each row by the base model."""
+    out = np.empty(rows.drive.size)
+    for index, joint in enumerate(rows.joints):
+        mine = rows.run == index
+        trial = trial_joint(joint, parameters)
+        length = rows.length[mine]
+        out[mine] = trial.stroke(trial.curvature(rows.drive[mine], length), length)[1]
+    return out
+
+
 def base_response(rows: Rows, parameters: Array) -> Array:
     """Return base response of each row in the recording's unit, for (ln stiffness ratio, eta step / 0.01.
 
     Deadband step in mm).
     """
-    stiffness, eta, deadband = np.asarray(parameters) * SCALE
     out = np.empty(rows.drive.size)
     for index, joint in enumerate(rows.joints):
         mine = rows.run == index
         if not mine.any():
             continue
-        trial = replace(
-            joint,
-            youngs_modulus=joint.youngs_modulus * np.exp(stiffness),
-            notch_friction=joint.notch_friction + eta,
-            deadband=joint.deadband + deadband,
-        )
+        trial = trial_joint(joint, parameters)
         if joint.tendon_radius == 0:
             out[mine] = np.maximum(rows.drive[mine], 0) * trial.arm / (trial.gain(rows.length[mine]) * trial.rigidity)
         else:

@@ -44,13 +44,16 @@ def run(out: Path, jobs: int = 2) -> int:
     """Answer what is not answered yet; returns how many cases were asked."""
     cases = sorted(path for path in (out / "cases").iterdir() if path.is_dir())
     held_out = json.loads((out / "held_out.json").read_text(encoding="utf-8"))
+    without = json.loads((out / "without.json").read_text(encoding="utf-8"))
     answers = out / "answers"
     answers.mkdir(exist_ok=True)
     waiting = [case for case in cases if not _answered(answers / f"{case.name}.json")]
     sys.stderr.write(f"{len(cases) - len(waiting)} of {len(cases)} answered already\n")
     pool = ThreadPoolExecutor(max(jobs, 1))
     try:
-        futures = [pool.submit(answer, out, case, held_out.get(case.name, [])) for case in waiting]
+        futures = [
+            pool.submit(answer, out, case, held_out.get(case.name, []), without.get(case.name, [])) for case in waiting
+        ]
         for count, future in enumerate(as_completed(futures), 1):
             future.result()
             if count % 20 == 0 or count == len(waiting):
@@ -68,12 +71,12 @@ def _answered(path: Path) -> bool:
     return path.exists() and json.loads(path.read_text(encoding="utf-8"))["diagnosis"] is not None
 
 
-def answer(out: Path, case: Path, held_out: list[str]) -> None:
+def answer(out: Path, case: Path, held_out: list[str], without: list[str]) -> None:
     """Ask once, and once more with the recording that the first answer proposed.
 
     Where there is a shelf to take it from.
     """
-    first = ask(case, sorted(case.glob("*.csv")), held_out, out / "answers" / f"{case.name}.model.toml")
+    first = ask(case, sorted(case.glob("*.csv")), held_out, out / "answers" / f"{case.name}.model.toml", without)
     shelf = out / "laboratory" / case.name
     if shelf.is_dir() and first["diagnosis"]:
         asked = requests(str(first["diagnosis"].get("next_recording") or ""))
@@ -81,18 +84,22 @@ def answer(out: Path, case: Path, held_out: list[str]) -> None:
         if asked:
             # One proposed recording holds all the runs its words ask for.
             more = [shelf / f"{request}.csv" for request in asked]
-            first["second"] = ask(case, [*sorted(case.glob("*.csv")), *more], held_out, None)
+            first["second"] = ask(case, [*sorted(case.glob("*.csv")), *more], held_out, None, without)
     target = out / "answers" / f"{case.name}.json"
     partial = target.with_suffix(".partial")
     partial.write_text(json.dumps(first, sort_keys=True), encoding="utf-8")
     partial.replace(target)
 
 
-def ask(case: Path, recordings: list[Path], held_out: list[str], model: Path | None) -> dict[str, Any]:
+def ask(
+    case: Path, recordings: list[Path], held_out: list[str], model: Path | None, without: list[str]
+) -> dict[str, Any]:
     """Call `coast diagnose` once: exit code, seconds, held-out runs, answer (or none) and the end of stderr."""
     arguments = ["diagnose", str(case / "tubes.toml"), *map(str, recordings), "--format", "json"]
     for name in held_out:
         arguments += ["--hold-out", name]
+    if without:
+        arguments += ["--without", ",".join(without)]
     if model is not None:
         arguments += ["--save-model", str(model)]
     begin = time.perf_counter()

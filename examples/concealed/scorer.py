@@ -428,7 +428,7 @@ def pilot(seeds: range, out: Path, *, jobs: int = 2, shapes: bool = False, error
     pattern = [
         level
         for other in (SHAPE_LEVELS if shapes else LEVELS)
-        if other not in ("L0", "L1")
+        if other not in ("L0", "L1", "L8")
         for level in ("L1", "L0", other)
     ]
     kind = "shape" if shapes else "joint"

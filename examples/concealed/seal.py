@@ -52,7 +52,7 @@ def build_all(jobs: list[tuple[str, int, str | None, str | None]], workers: int)
 
 def write(out: Path, cases: Iterable[tuple[str, Case]]) -> str:
     """Write `out`/cases/<id>/ and the sealed truths; returns the seal's SHA-256."""
-    truths, held_out = {}, {}
+    truths, held_out, without = {}, {}, {}
     for name, case in cases:
         folder = out / "cases" / name
         folder.mkdir(parents=True, exist_ok=True)
@@ -65,7 +65,10 @@ def write(out: Path, cases: Iterable[tuple[str, Case]]) -> str:
             (shelf / f"{request}.csv").write_text(text, encoding="utf-8")
         truths[name] = case.truth
         held_out[name] = list(case.held_out)
+        if case.without:
+            without[name] = list(case.without)
     (out / "held_out.json").write_text(json.dumps(held_out, sort_keys=True, indent=0) + "\n", encoding="utf-8")
+    (out / "without.json").write_text(json.dumps(without, sort_keys=True, indent=0) + "\n", encoding="utf-8")
     blob = json.dumps(truths, sort_keys=True, default=_plain, separators=(",", ":")).encode()
     (out / SEALED).write_bytes(blob)
     digest = hashlib.sha256(blob).hexdigest()

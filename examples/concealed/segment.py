@@ -12,45 +12,11 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from examples.concealed.bending import BendingLaw, Memory
 from examples.concealed.design import Joint, Tube, chord_shortening, ring, sector
 
 Array = NDArray[np.float64]
 Effects = Mapping[str, Mapping[str, object]]
-
-
-def softplus(x: Array) -> Array:
-    """Return ln(1 + exp(x)), a smooth ramp."""
-    return np.logaddexp(0.0, x)
-
-
-class BendingLaw:
-    """Elastic moment (per unit EI, 1/m) against curvature: linear, softening, stiffening.
-
-    Smooth and inverted by a table.
-    """
-
-    def __init__(self, effects: Effects, largest: float) -> None:
-        self.linear = not ({"tube_superelasticity", "notch_closure"} & effects.keys())
-        if self.linear:
-            return
-        grid = np.linspace(0, 3 * largest, 1501)
-        stiffness = np.ones_like(grid)
-        if soft := effects.get("tube_superelasticity"):
-            stiffness -= (1 - soft["stiffness_ratio"]) / (
-                1 + np.exp(-(grid - soft["knee_curvature_per_m"]) / soft["width_per_m"])
-            )
-        if closing := effects.get("notch_closure"):
-            stiffness += closing["stiffness_rise"] / (
-                1 + np.exp(-(grid - closing["contact_curvature_per_m"]) / closing["width_per_m"])
-            )
-        self.grid = grid
-        self.moment = np.concatenate([[0], np.cumsum((stiffness[1:] + stiffness[:-1]) / 2 * np.diff(grid))])
-
-    def __call__(self, moment: Array) -> Array:
-        """Curvature (1/m) under `moment` over EI (1/m); odd in its argument."""
-        if self.linear:
-            return moment
-        return np.sign(moment) * np.interp(np.abs(moment), self.moment, self.grid)
 
 
 class Segment:
@@ -67,9 +33,18 @@ class Segment:
         self.pitch = pitch
         spread = 1 + 0.001 * rng.standard_normal(self.count) * (0.0 if joint.tendon_radius == 0 else 1.0)
         self.compliance = spread / spread.mean()
-        self.law = BendingLaw(effects, largest)
+        if along := effects.get("stiffness_along"):
+            # Counted from the tip: the inner tube uncovers more of the proximal part when it is drawn back.
+            behind = length * (1 - (np.arange(self.count) + 0.5) / self.count)
+            band = np.exp(-(((behind * 1e3 - along["at_mm"]) / along["width_mm"]) ** 2))
+            self.compliance = self.compliance * (1 + along["change"] * band)
+        self.law = BendingLaw(joint, effects, largest, rng, self.count)
+        self.memory = Memory(joint, effects, self.count)
         self.arm, self.rigidity = joint.arm, joint.rigidity
-        self.notch_mu = float(effects.get("distributed_notch_friction", {}).get("friction", 0.0))
+        self.notch_mu = np.zeros(0)
+        if rubbing := effects.get("distributed_notch_friction"):
+            uneven = np.exp(rubbing["spread"] * rng.standard_normal(self.count))
+            self.notch_mu = rubbing["friction"] * uneven / uneven.mean()
         coulomb = effects.get("coulomb_friction")
         self.coulomb = (
             None
@@ -90,7 +65,10 @@ class Segment:
             )
         self.gravity = weight
         self.tip_load = effects.get("tip_load")
-        self.natural = float(effects.get("precurvature", {}).get("curvature_per_m", 0.0))
+        self.natural = np.zeros(self.count)
+        if rest := effects.get("precurvature"):
+            share = (np.arange(self.count) + 0.5) / self.count
+            self.natural += rest["curvature_per_m"] * (1 + rest["lean"] * (2 * share - 1))
         self.outside_load = bool(weight) or self.tip_load is not None
         self.cracked = np.ones(self.count)
         self.softening = 1.0
@@ -102,7 +80,7 @@ class Segment:
         self.snapped = np.zeros(max(self.snaps, 1), dtype=bool)
         self.load_moment = np.zeros(self.count)
         self.rest = 0.0
-        if self.outside_load or self.natural:
+        if self.outside_load or self.natural.any():
             for _ in range(30):
                 self.refresh_load()
                 self.theta = self.bend(0.0)[2]
@@ -128,9 +106,9 @@ class Segment:
     def bend(self, entry: float) -> tuple[Array, Array, Array]:
         """Tension at the notches, elastic moment and bend of each notch for a tension at the segment's entry."""
         theta = self.theta
-        if self.notch_mu:
+        if self.notch_mu.size:
             for _ in range(3):
-                phi = self.notch_mu * np.cumsum(np.abs(theta)) * self.weight
+                phi = np.cumsum(self.notch_mu * np.abs(theta)) * self.weight
                 tension = np.clip(self.tension, entry * np.exp(-phi), entry * np.exp(phi))
                 elastic = self._elastic(tension)
                 theta = self._theta(elastic)
@@ -141,16 +119,18 @@ class Segment:
 
     def _elastic(self, tension: Array) -> Array:
         moment = tension * self.arm + self.load_moment
-        if self.coulomb is None:
+        limit = self.coulomb
+        if pressed := self.effects.get("pressed_tubes"):
+            limit = pressed["share"] * moment**2 / (pressed["full_n_mm"] * 1e-3)
+        if limit is None:
             return moment
-        return np.clip(self.elastic, moment - self.coulomb, moment + self.coulomb)
+        return np.clip(self.elastic, moment - limit, moment + limit)
 
     def _theta(self, elastic: Array) -> Array:
-        curvature = (
-            self.law(elastic / (self.rigidity * self.softening)) * self.compliance * self.cracked
-            + self.natural
-            + self.shift
-        )
+        moment = elastic / (self.rigidity * self.softening)
+        curvature = self.law(moment) * self.compliance * self.cracked + self.natural + self.shift
+        if not self.memory.idle:
+            curvature = curvature + self.memory.added(moment)
         if self.snaps:
             curvature = curvature + self.effects["snap_through"]["jump_per_m"] * self.snapped[self.snap_group]
         return curvature * self.pitch
@@ -162,6 +142,7 @@ class Segment:
     def commit(self, tension: Array, elastic: Array, theta: Array) -> None:
         """Keep the trial state of the solved step."""
         self.tension, self.elastic, self.theta = tension, elastic, theta
+        self.memory.commit()
         self.refresh_load()
 
     def snap(self, entry: float) -> bool:

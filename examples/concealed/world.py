@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from examples.concealed.camera import observe
 from examples.concealed.design import Joint, Robot
+from examples.concealed.faults import load_cell, seen_by_camera
 from examples.concealed.mechanism import Effects, simulate
 from examples.concealed.protocol import Protocol, RunPlan
 from examples.concealed.refit import Rows
@@ -77,15 +78,23 @@ def play_protocol(
         notch_rng = np.random.default_rng([*seed, 1000 + number])
         if effects:
             trace = simulate(
-                joint, plan.length, drive, plan.time, effects, notch_rng, largest=curvature, density=actual.density
+                joint,
+                plan.length,
+                drive,
+                plan.time,
+                effects,
+                notch_rng,
+                largest=curvature,
+                density=actual.density,
+                run=number,
             )
             response = observe(
                 trace.theta, trace.weight, trace.length, plan.time, trace.simulated, protocol.response, effects
             )
-            tension = trace.tension
-            response, tension = response[plan.recorded], tension[plan.recorded]
-            if drop := effects.get("clock_drop"):
-                response = dropped_clock(response, float(drop["at_share"]), int(drop["frames"]))  # type: ignore[arg-type]
+            along = np.linspace(0, 1, plan.recorded.size)
+            response, tension = response[plan.recorded], load_cell(trace.tension[plan.recorded], effects, along)
+            frames = np.random.default_rng([*seed, 2000 + number])
+            response = seen_by_camera(response, plan.time[plan.recorded], effects, number, frames)
         else:
             response, tension = clean_response(joint, plan, drive[plan.recorded], protocol.response)
         joints.append(joint)
@@ -113,11 +122,3 @@ def clean_response(joint: Joint, plan: RunPlan, drive: Array, kind: str) -> tupl
     if kind == "bend":
         return np.degrees(kappa * plan.length)[:, None], tension
     return np.degrees(np.repeat(kappa[:, None] * joint.middle.pitch, joint.middle.count, axis=1)), tension
-
-
-def dropped_clock(response: Array, at_share: float, frames: int) -> Array:
-    """Frames lost by the recorder: from there on each row holds an earlier frame."""
-    start = int(at_share * len(response))
-    take = np.arange(len(response))
-    take[start:] = np.maximum(take[start:] - frames, start - 1)
-    return response[take]

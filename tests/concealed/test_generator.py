@@ -9,9 +9,9 @@ import pytest
 from examples.concealed.camera import circle_curvature
 from examples.concealed.case import make_case, narrowest
 from examples.concealed.design import Joint, Tube, config_text
-from examples.concealed.draw import LEVELS, draw_world
+from examples.concealed.draw import LEVELS, SHOWN_BY_TENSION, draw_world
+from examples.concealed.laws import BENCH, JOINT_EFFECTS, OUTSIDE, RECIPES
 from examples.concealed.mechanism import simulate
-from examples.concealed.recipes import JOINT_EFFECTS, OUTSIDE, RECIPES
 from examples.concealed.refit import refit, surviving
 from examples.concealed.world import Played, play_protocol
 
@@ -60,7 +60,7 @@ def test_a_clean_record_is_single_valued_and_leaves_only_noise():
         world, *_ = draw_world(seed, "L0")
         played = play_protocol(world.actual, world.protocol, {}, world.curvature, world.streams)
         truth = np.concatenate([np.array(rows) for rows in case.truth["response"].values()])
-        assert np.sqrt(np.mean((truth - played.response) ** 2)) < 0.2 * world.sigma
+        assert np.sqrt(np.mean((truth - played.response) ** 2)) < 0.5 * world.sigma
         assert surviving(played.rows, played.response) < 1e-6
 
 
@@ -86,11 +86,14 @@ def recorded(case):
     return np.array(rows)
 
 
-@pytest.mark.parametrize("effect", [*JOINT_EFFECTS, *OUTSIDE])
+@pytest.mark.parametrize("effect", [*JOINT_EFFECTS, *OUTSIDE, *BENCH])
 def test_every_effect_shows_above_the_refitted_base(effect):
     world, level, names, sizes = draw_world(2, effect=effect)
-    assert level == ("L1" if effect in JOINT_EFFECTS else "L6")
+    assert level == ("L1" if effect in JOINT_EFFECTS else "L6" if effect in OUTSIDE else "L9")
     assert names == [effect]
+    if effect in SHOWN_BY_TENSION:
+        assert sizes[effect] > RECIPES[effect].floor
+        return
     played = play_protocol(world.actual, world.protocol, world.effects, world.curvature, world.streams)
     assert np.isfinite(played.response).all()
     best, fitted = refit(played.rows, played.response)
@@ -110,11 +113,12 @@ def test_every_level_makes_cases(level):
 
 LOOPS = {
     "capstan_hysteresis": [
-        {"log_ratio": 0.2, "law": law, "pulleys": 5, "far_share": 0.2, "presliding_um": 1.0}
-        for law in ("front", "dahl", "maxwell")
+        {"log_ratio": 0.2, "law": law, "pulleys": 5, "far_share": 0.2, "presliding_um": 1.0, "stribeck": 0.1}
+        for law in ("front", "dahl", "maxwell", "lugre")
     ],
     "coulomb_friction": [{"moment_n_mm": 0.005, "spread": 0.2}],
-    "distributed_notch_friction": [{"friction": 0.4}],
+    "distributed_notch_friction": [{"friction": 0.4, "spread": 0.2}],
+    "tube_hysteresis": [{"knee_strain": 0.001, "lower_plateau": 0.5, "compliance": 2.0}],
 }
 
 
@@ -141,7 +145,7 @@ def test_friction_dissipates_and_waits_on_reversal(name, parameters):
 
 REFINED = [(name, p) for name, options in LOOPS.items() for p in options] + [
     ("tendon_creep", {"stretch_ratio": 0.2, "time_constant_s": 4.0}),
-    ("tendon_permanent_set", {"threshold_n": 0.2, "width_n": 0.02, "slack_um_per_n": 100.0}),
+    ("tendon_permanent_set", {"threshold_n": 0.2, "power": 1.5, "scale_n": 1.0, "slack_um_per_n": 100.0}),
 ]
 
 

@@ -48,7 +48,7 @@ def oracle(truth):
 def answered(out, monkeypatch, reply):
     truths, asked = unseal(out), []
 
-    def ask(case, recordings, held_out, _model):
+    def ask(case, recordings, held_out, _model, _without):
         asked.append(case.name)
         assert all(path.exists() for path in recordings)
         return {"exit": 0, "seconds": 1.0, "held_out": held_out, "stderr": "", "diagnosis": reply(truths[case.name])}

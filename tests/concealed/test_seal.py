@@ -90,7 +90,7 @@ def test_metadata_does_not_tell_clean_from_concealed(cases):
 def test_the_classifier_would_see_a_leak(cases):
     labels = np.array(["clean" if not case.truth["effects"] else "concealed" for case in cases])
     features = np.array([metadata(case) for case in cases])
-    features[:, 2] += 1000 * (labels == "clean")
+    features[:, 2] += 3000 * (labels == "clean")
     assert nearest_centroid_accuracy(features, labels) > 0.8
 
 
