@@ -69,6 +69,25 @@ def test_the_projected_method_is_of_first_order_in_its_load_steps(natural_curvat
     assert 0.8e-3 < errors[0] < 1.5e-3
 
 
+LONG_NOTCH_DEPTHS_MM = (0.314, 0.350, 0.376, 0.400)  # P's four outer tubes; diameters and lengths are ours
+
+
+def long_notch_error(depth_mm: float, load_steps: int) -> float:
+    """Return how far off the tip of a steel tube is (m), 0.5 x 0.4 mm, with one notch of 110 mm, as P's Fig. 6 has it."""
+    one = np.ones(1)
+    steel = NotchedTube("steel", 0.25e-3, 0.2e-3, depth_mm * 1e-3 * one, 0.11 * one, 2e-3 * one, 200e9, 8000.0)
+    exact = solve_beam(steel, 9.81)
+    found = solve_beam_projected(steel, 9.81, load_steps=load_steps)
+    return float(np.hypot(found.x[-1] - exact.x[-1], found.y[-1] - exact.y[-1]))
+
+
+@pytest.mark.parametrize("depth_mm", LONG_NOTCH_DEPTHS_MM)
+def test_one_long_notch_is_divided_until_only_the_load_steps_err(depth_mm):
+    errors = np.array([long_notch_error(depth_mm, steps) for steps in (5, 10, 20)])
+    assert errors[-1] < 0.02e-3
+    assert np.all(np.abs(np.log2(errors[:-1] / errors[1:]) - 1.0) < 0.1)
+
+
 @pytest.mark.parametrize("natural_curvature", [5.0, -5.0])
 def test_the_projected_method_as_printed_does_not_converge(natural_curvature):
     errors = [projected_error(natural_curvature, steps, "projected_length") for steps in (20, 80, 320)]
