@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from coast_cli.cli.options import ConfigsArgument
+from coast_cli.cli.options import ConfigsArgument, PairOption
 from coast_cli.cli.paths import WRITES
 
 FORMATS = ("table", "json", "csv", "junit", "github")
@@ -16,6 +16,7 @@ FORMATS = ("table", "json", "csv", "junit", "github")
 def check(
     configs: ConfigsArgument,
     *,
+    pair: PairOption = None,
     format: Annotated[
         str | None, typer.Option("--format", "-f", metavar="FORMAT", help=", ".join(FORMATS) + ", to stdout")
     ] = None,
@@ -25,18 +26,34 @@ def check(
         WRITES,
     ] = None,
 ) -> int:
-    """Hold the joint's pair of each configuration to its [checks]; exit 1 when a limit does not hold."""
-    from coast_cli.design.checks import check_design
+    """Hold a pair of each configuration to its [checks]; exit 1 when a limit does not hold.
+
+    A configuration that cannot be checked is a row with its reason, and the others are checked all the same; the exit code
+    is then 3 for a wrong input, or 4 where a solver did not converge.
+    """
+    from coast_cli.design.checks import check_design, refused
+    from coast_cli.errors import BadInput, NotConverged
     from coast_cli.output.answer import Answer
     from coast_cli.output.provenance import provenance
-    from coast_cli.output.write import write_answer
+    from coast_cli.output.write import say, write_answer
     from coast_cli.spec.build import build
     from coast_cli.spec.load import load_config
 
-    documents = [load_config(config) for config in configs]
-    designs = [build(document) for document in documents]
-    rows = [row for design in designs for row in check_design(design)]
-    notes = tuple(note for design in designs for note in (*design.notes, *design.uncorrected_joint))
-    answer = Answer("check", rows, provenance(*documents), notes)
-    write_answer(answer, format, output or (), formats=FORMATS)
-    return 0 if all(row["passed"] for row in rows) else 1
+    documents, rows, codes, notes = [], [], {0}, list[str]()
+    for config in configs:
+        try:
+            document = load_config(config)
+            design = build(document)
+            found = check_design(design, pair)
+        except (BadInput, NotConverged) as error:
+            say(str(error))
+            codes.add(error.exit_code)
+            rows.append(refused(str(config), error))
+            continue
+        documents.append(document)
+        rows += found
+        codes.add(0 if all(row["passed"] for row in found) else 1)
+        notes += [*design.notes, *design.uncorrected_joint]
+    origin = provenance(*documents, options=None if pair is None else {"pair": pair})
+    write_answer(Answer("check", rows, origin, tuple(notes)), format, output or (), formats=FORMATS)
+    return BadInput.exit_code if BadInput.exit_code in codes else max(codes)

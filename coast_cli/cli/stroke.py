@@ -58,6 +58,7 @@ def stroke(
         curvatures=[] if kappa is None else numbers(kappa, "--kappa"),
         strokes=[] if stroke is None else [value * MILLIMETRE for value in numbers(stroke, "--stroke")],
         effects=design.effects,
+        checks=document.checks,
     )
     if plot is not None:
         from coast_cli.output.design_plot import plot_strokes

@@ -1,54 +1,73 @@
-"""Checks: the joint's pair held to the limits of its configuration, a row a limit."""
+"""Checks: a pair held to the limits of its configuration, a row a limit."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from coast_cli.design.limits import limits
+from coast_cli.design.limits import beside, limits
+from coast_cli.design.loading import acting_on_load, corrected_stroke
+from coast_cli.design.reach import Pulled, Webs, largest_curvature, pulled_at, tendon_limits
 from coast_cli.design.stroke import stroke_table
-from coast_cli.errors import NotConverged
+from coast_cli.errors import BadInput, NotConverged
 from coast_cli.mechanics.beam import NO_EQUILIBRIUM
 from coast_cli.mechanics.pairs import pair_table
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.spec.build import Design
-from coast_cli.spec.config import LimitAtPoint
-from coast_cli.units import MILLIMETRE
+from coast_cli.spec.config import Checks, LimitAtPoint, Reach
+from coast_cli.units import DEGREE, MILLIMETRE
 
 Row = dict[str, str | float | int | bool | None]
+_JUST_PAST = 1.0 + 1e-9
 
 
-def check_design(design: Design) -> list[Row]:
+def check_design(design: Design, pair: str | None = None) -> list[Row]:
     """Return one row for each limit of a configuration, with its value and whether it holds.
+
+    Args:
+        pair: OUTER/MIDDLE, or one tube; None is joint.pair.
 
     Raises:
         BadInput: no limits, no pair, or a limit that needs a table the configuration does not have.
         NotConverged: a beam under gravity was not solved.
     """
-    config = design.config
-    if config.checks is None:
+    config, checks = design.config, design.config.checks
+    if checks is None:
         raise config.refuse((), "there is nothing to check: no [checks] table")
+    asked, stopped = design.pair(pair), None
     figures: dict[str, FloatArray] = {}
-    if config.checks.max_total_precurvature_rad is not None or config.checks.rigidity_ratio is not None:
-        figures |= _pair_figures(design)
-    if config.checks.max_stroke_mm is not None:
-        figures |= _stroke_and_strain(design, config.checks.max_stroke_mm)
+    if checks.max_total_precurvature_rad is not None or checks.rigidity_ratio is not None:
+        figures |= _pair_figures(design, asked)
+    if checks.max_stroke_mm is not None:
+        figures |= _at_the_point(design, pair, checks.max_stroke_mm)
+    if checks.min_bend_deg is not None:
+        bend, stopped = _reach(design, pair, checks, checks.min_bend_deg)
+        figures["bend_deg"] = bend
     return [
         {
             "config": config.source,
-            "pair": "/".join(name for name in design.pair() if name),
+            "pair": "/".join(name for name in asked if name),
             "check": limit.check,
             "bound": limit.bound,
             "value": figures[limit.figure].item(),
             "limit": limit.limit,
             "passed": bool(limit.holds(figures)),
             "line": config.line("checks", limit.check),
+            "stopped_by": stopped if limit.figure == "bend_deg" else None,
+            "error": None,
         }
         for limit in limits(config)
     ]
 
 
-def _pair_figures(design: Design) -> dict[str, FloatArray]:
-    outer, middle = design.pair()
+def refused(config: str, error: BadInput | NotConverged) -> Row:
+    """Return the row of a configuration that could not be checked."""
+    names = ("config", "pair", "check", "bound", "value", "limit", "passed", "line", "stopped_by", "error")
+    line = error.line if isinstance(error, BadInput) else None
+    return {**dict.fromkeys(names), "config": config, "passed": False, "line": line, "error": str(error)}
+
+
+def _pair_figures(design: Design, pair: tuple[str | None, str]) -> dict[str, FloatArray]:
+    outer, middle = pair
     if outer is None:
         message = "a limit on a pair needs an outer tube, and the joint has one tube"
         raise design.config.refuse(("checks",), message, found=middle, allowed="'OUTER/MIDDLE' as joint.pair")
@@ -62,12 +81,35 @@ def _pair_figures(design: Design) -> dict[str, FloatArray]:
     }
 
 
-def _stroke_and_strain(design: Design, limit: LimitAtPoint) -> dict[str, FloatArray]:
-    """Return stroke (mm) and tendon strain at the point of a limit."""
+def _at_the_point(design: Design, pair: str | None, limit: LimitAtPoint) -> dict[str, FloatArray]:
+    """Return what the joint has at the point of a limit: stroke (mm), tendon strain, tension (N), strain of the webs."""
     if design.config.tendon is None:
         raise design.config.refuse(("checks", "max_stroke_mm"), "a stroke needs a [tendon] table")
-    lengths = [limit.bending_length_mm * MILLIMETRE]
-    columns, notes = stroke_table(design.joint(), lengths, curvatures=[limit.curvature_per_m], effects=design.effects)
+    joint, lengths = design.joint(pair), [limit.bending_length_mm * MILLIMETRE]
+    columns, notes = stroke_table(joint, lengths, curvatures=[limit.curvature_per_m], effects=design.effects)
     if columns["stroke_mm"][0] is None:
         raise NotConverged(f"checks.max_stroke_mm: {notes[0]}")
-    return {name: np.asarray(columns[name], dtype=float) for name in ("stroke_mm", "tendon_strain")}
+    found = {name: np.asarray(columns[name], dtype=float) for name in ("stroke_mm", "tendon_strain", "tension_n")}
+    webs = Webs.of(joint)
+    found["web_strain"] = np.asarray([limit.curvature_per_m * webs.strain_per_curvature])
+    found["closure_curvature_per_m"] = np.asarray([webs.closure_curvature])
+    return found | beside(found, limit.curvature_per_m)
+
+
+def _reach(design: Design, pair: str | None, checks: Checks, wanted: Reach) -> tuple[FloatArray, str]:
+    """Return the bend (degrees) that the joint reaches within its limits, and what stops it there."""
+    joint, length = design.joint(pair), wanted.bending_length_mm * MILLIMETRE
+    acting, _ = acting_on_load(design.effects)
+
+    def pull(curvature: FloatArray) -> Pulled:
+        if acting:
+            found = corrected_stroke(joint, acting, np.full_like(curvature, length), curvature, inverse=False)
+            return Pulled(found.stroke, found.tendon_strain, found.tension)
+        return pulled_at(joint, curvature, length)
+
+    webs = Webs.of(joint)
+    reached = largest_curvature(pull, webs, checks)
+    passed = [words for mask, words in tendon_limits(pull(reached * _JUST_PAST), checks) if mask.any()]
+    closes = reached[0] * _JUST_PAST >= webs.closure_curvature
+    at_the_webs = "notch faces touch" if closes else "web strain (checks.max_web_strain)"
+    return reached * length / DEGREE, passed[0] if passed else at_the_webs

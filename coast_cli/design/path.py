@@ -12,11 +12,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from coast_cli.design.drive_history import drive_along
 from coast_cli.design.follow_leader import Body, deviation, follow_path
 from coast_cli.design.loading import acting_on_load, corrected_stroke
+from coast_cli.design.reach import PLATEAU_STRAIN, Mask, Pulled, Webs, tendon_limits, web_limits
 from coast_cli.effects.effect import Effect
 from coast_cli.mechanics.joint import Joint, curvature_from_stroke, stroke, tension
 from coast_cli.mechanics.section import FloatArray
@@ -25,10 +25,7 @@ from coast_cli.spec.config import Checks
 from coast_cli.units import DEGREE, MILLIMETRE
 
 LARGEST_BEND = 145.0 * DEGREE  # a branch that turns back by more is out of the robot's purpose
-PLATEAU_STRAIN, SET_STRAIN = 0.008, 0.054  # 360 MPa over 45 GPa, and 4.6 % further, where nitinol keeps a set
 _AGREES, _NEAR = 0.01, 0.05  # relative, and 1/m: of the prediction with the curvature asked for
-
-Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +86,8 @@ def plan_path(
     largest, mean = deviation(path, body, feed)
     sign = -1.0 if body.curvature < 0.0 else 1.0
     reasons = [
-        *_bend_reasons(joint, body, bent, closes=any(effect.id == "notch_closure" for effect in acting)),
+        (wanted * bent > LARGEST_BEND * (1.0 + 1e-6), f"bent by more than {LARGEST_BEND / DEGREE:g} degrees"),
+        *web_limits(wanted, Webs.of(joint), checks, closes=any(effect.id == "notch_closure" for effect in acting)),
         *_pull_reasons(pulled, checks, wanted, tendon=joint.tendon is not None),
         *_feed_reasons(joint, bent, beyond),
         (largest > within, f"the body is more than {within / MILLIMETRE:g} mm off the path"),
@@ -138,17 +136,6 @@ def _pull(joint: Joint, acting: Sequence[Effect], curvature: FloatArray, bent: F
     return found
 
 
-def _bend_reasons(joint: Joint, body: Body, bent: FloatArray, *, closes: bool) -> list[tuple[Mask, str]]:
-    bends, sharp = bent > 0.0, abs(body.curvature)
-    closing = joint.closure_curvature
-    strain = sharp * _strain_per_curvature(joint)
-    return [
-        (sharp * bent > LARGEST_BEND * (1.0 + 1e-6), f"bent by more than {LARGEST_BEND / DEGREE:g} degrees"),
-        (bends & (sharp > closing and not closes), f"notch faces touch above {closing:.4g} 1/m"),
-        (bends & (strain > SET_STRAIN), f"web strain {strain:.3g} above {SET_STRAIN:g}, where nitinol keeps a set"),
-    ]
-
-
 def _pull_reasons(
     pulled: _Pulled, checks: Checks | None, curvature: FloatArray, *, tendon: bool
 ) -> list[tuple[Mask, str]]:
@@ -159,13 +146,7 @@ def _pull_reasons(
         (off, "pulled so, the model settles at another curvature"),
         (pulled.stroke < 0.0, "the stroke would be below zero"),
     ]
-    if checks is not None and checks.max_stroke_mm is not None:
-        limit = checks.max_stroke_mm.value
-        found.append((pulled.stroke > limit * MILLIMETRE, f"stroke above {limit:g} mm (checks.max_stroke_mm)"))
-    if checks is not None and checks.max_tendon_strain is not None:
-        limit = checks.max_tendon_strain
-        found.append((pulled.strain > limit, f"tendon strain above {limit:g} (checks.max_tendon_strain)"))
-    return found
+    return [*found, *tendon_limits(Pulled(pulled.stroke, pulled.strain, pulled.tension), checks)]
 
 
 def _feed_reasons(joint: Joint, bent: FloatArray, beyond: FloatArray) -> list[tuple[Mask, str]]:
@@ -174,11 +155,6 @@ def _feed_reasons(joint: Joint, bent: FloatArray, beyond: FloatArray) -> list[tu
     length = joint.outer.length
     words = f"X2 + X3 above {length / MILLIMETRE:g} mm: the outer tube's notches no longer cover the bend"
     return [((beyond > 0.0) & (bent + beyond > length * (1.0 + 1e-12)), words)]
-
-
-def _strain_per_curvature(joint: Joint) -> float:
-    """Return the largest strain of the webs for one 1/m, m."""
-    return max(float(tube.strain_per_curvature.max()) for tube in (joint.outer, joint.middle) if tube is not None)
 
 
 def _joined(reasons: Sequence[tuple[Mask, str]], count: int) -> list[str | None]:
@@ -209,7 +185,7 @@ def _notes(
             f"the body stays within {within / MILLIMETRE:g} mm of {far / MILLIMETRE:.4g} of {path.length / MILLIMETRE:.4g} mm: "
             "it has one bend, of one curvature."
         )
-    strain = abs(body.curvature) * _strain_per_curvature(joint)
+    strain = abs(body.curvature) * Webs.of(joint).strain_per_curvature
     if body.bend > 0.0 and strain > PLATEAU_STRAIN and all(effect.id != "tube_superelasticity" for effect in acting):
         notes.append(
             f"web strain reaches {100.0 * strain:.3g} %: above {100.0 * PLATEAU_STRAIN:g} % nitinol softens, "

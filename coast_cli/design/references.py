@@ -12,13 +12,14 @@ from math import isfinite, log
 
 import numpy as np
 
+from coast_cli.design.reach import PLATEAU_STRAIN
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.spec.config import Config
 
 PRECURVATURE_RAD = 0.3
 RATIO = 1.25
 UNCUT_RIGIDITY_N_M2 = 1e-4  # both uncut tubes, 0.5 x 0.4 and 0.36 x 0.28 mm at 45 GPa: 1.05e-4
-TENDON_STRAIN, WEB_STRAIN = 0.012, 0.008  # as configs/tubes.toml has it; 360 MPa over 45 GPa, where the plateau begins
+TENDON_STRAIN = 0.012  # as configs/tubes.toml has it
 CHANGE = 0.1  # of one reference, to see whether an order rests on it
 
 
@@ -80,7 +81,7 @@ def _scale(config: Config, objective: str) -> Callable[[FloatArray], FloatArray]
     references = {
         "stroke": point.value or 1.0,
         "tendon_strain": checks.max_tendon_strain or TENDON_STRAIN,
-        "web_strain": WEB_STRAIN,
+        "web_strain": checks.max_web_strain or PLATEAU_STRAIN,
     }
     return lambda cost: cost / references[objective]
 

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from coast_cli.design.loading import acting_on_load, corrected_stroke
+from coast_cli.design.reach import PLATEAU_STRAIN, Pulled, Webs, tendon_limits, web_limits
 from coast_cli.effects.effect import Effect
 from coast_cli.errors import NotConverged, UsageError
 from coast_cli.mechanics.joint import Joint, StrokeSolution, curvature_from_stroke, stroke, tension, tip
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.mechanics.verdict import Verdict
+from coast_cli.spec.config import Checks
 from coast_cli.units import MILLIMETRE
 
 LARGEST_DRIVE = 1e5  # 1/m or m: a circle smaller than any tube, a tendon longer than any
@@ -32,6 +34,7 @@ def stroke_table(
     curvatures: Sequence[float] = (),
     strokes: Sequence[float] = (),
     effects: Sequence[Effect] = (),
+    checks: Checks | None = None,
 ) -> StrokeTable:
     """Return every curvature (or stroke) with every bending length, the length slowest.
 
@@ -41,6 +44,7 @@ def stroke_table(
         curvatures: 1/m; or
         strokes: X1, m, each inverted to the curvature it reaches.
         effects: corrections of the joint; strokes are then those of the corrected model's loading branch.
+        checks: whose limits on stroke, tendon and webs are noted where a row passes them.
 
     Raises:
         UsageError: a value the joint cannot take.
@@ -70,8 +74,9 @@ def stroke_table(
     }
     if min(bending_lengths) < joint.pitch:
         left_out = (*left_out, f"a bending length is below one pitch, {joint.pitch / MILLIMETRE:g} mm: is it in mm?")
-    closes = any(effect.id == "notch_closure" for effect in acting)
-    return StrokeTable(columns, (*left_out, *_notes(joint, solution, closes=closes)))
+    ids = {effect.id for effect in acting}
+    notes = (*left_out, *_notes(joint, solution), *_passed(joint, solution, length, checks, ids))
+    return StrokeTable(columns, notes)
 
 
 def _solve(joint: Joint, length: FloatArray, drive: FloatArray, *, inverse: bool) -> StrokeSolution:
@@ -101,7 +106,7 @@ def _known(values: FloatArray) -> Sequence[float | None]:
     return [None if np.isnan(value) else float(value) for value in values]
 
 
-def _notes(joint: Joint, solution: StrokeSolution, *, closes: bool) -> tuple[str, ...]:
+def _notes(joint: Joint, solution: StrokeSolution) -> tuple[str, ...]:
     notes = []
     unheld = np.unique(solution.curvature[np.isnan(solution.tension)])
     if unheld.size:
@@ -111,7 +116,27 @@ def _notes(joint: Joint, solution: StrokeSolution, *, closes: bool) -> tuple[str
         )
     if joint.tendon is None:
         notes.append("there is no [tendon], so stroke and tendon strain have no value.")
-    closing = joint.closure_curvature
-    if float(solution.curvature.max()) > closing and not closes:
-        notes.append(f"above {closing:.4g} 1/m the faces of a notch touch, which the model leaves out.")
+    return tuple(notes)
+
+
+def _passed(
+    joint: Joint, solution: StrokeSolution, length: FloatArray, checks: Checks | None, acting: Collection[str]
+) -> tuple[str, ...]:
+    """Return a note for each known limit that a row passes, with the least bend that does."""
+    webs, bend = Webs.of(joint), solution.curvature * length
+    pulled = Pulled(solution.stroke, solution.tendon_strain, solution.tension)
+    strain = solution.curvature * webs.strain_per_curvature
+    passed = [
+        *web_limits(solution.curvature, webs, checks, closes="notch_closure" in acting),
+        *(tendon_limits(pulled, checks) if joint.tendon is not None else []),
+    ]
+    if "tube_superelasticity" not in acting:
+        words = f"web strain {float(strain.max()):.3g} above {PLATEAU_STRAIN:g}: nitinol softens, which the model leaves out"
+        passed.append((strain > PLATEAU_STRAIN, words))
+    notes = []
+    for mask, words in passed:
+        if mask.any():
+            row = int(np.argmin(np.where(mask, bend, np.inf)))
+            at = f"from {solution.curvature[row]:.4g} 1/m over {length[row] / MILLIMETRE:g} mm"
+            notes.append(f"past a limit {at}: {words}.")
     return tuple(notes)

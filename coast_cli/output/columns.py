@@ -61,13 +61,15 @@ COLUMNS: dict[str, dict[str, str]] = {
     },
     "check": {
         "config": "the configuration",
-        "pair": "the pair that is held to the limit",
+        "pair": "the pair that is held to the limit; no value of a configuration that could not be checked",
         "check": "the limit's key under [checks]",
         "bound": "min or max: from which side it limits",
         "value": "what the design has, in the unit of the key",
         "limit": "what it may have",
         "passed": "whether the limit holds",
-        "line": "line of the limit in the configuration",
+        "line": "line of the limit in the configuration, or of what is wrong with it",
+        "stopped_by": "of min_bend_deg: the limit that ends the bend",
+        "error": "why a configuration could not be checked; no value where it was",
     },
     "explore": {
         "pair": "number of the pair on the front, best score first",

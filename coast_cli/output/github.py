@@ -12,7 +12,7 @@ def render(answer: Answer, stream: IO[str]) -> None:
     """Write the failed rows of ``coast check`` as ``::error`` commands, or one ``::notice`` where all passed."""
     failed = [row for row in answer.rows if not row["passed"]]
     for row in failed:
-        place = f"file={_property(str(row['config']))},line={row['line']},title=coast check"
+        place = f"file={_property(str(row['config']))},line={row['line'] or 1},title=coast check"
         stream.write(f"::error {place}::{_data(sentence(row))}\n")
     if not failed:
         stream.write(f"::notice title=coast check::{len(answer.rows)} limits hold\n")

@@ -1,4 +1,4 @@
-"""JUnit XML of checks, as CI systems read it: a suite a configuration, a test case a limit."""
+"""JUnit XML of checks, as CI systems read it: a suite a configuration, a test case a limit, an error where none ran."""
 
 from __future__ import annotations
 
@@ -17,9 +17,12 @@ def render(answer: Answer, stream: IO[str]) -> None:
         rows = list(group)
         suite = ET.SubElement(root, "testsuite", {"name": str(config), **_counts(rows), "skipped": "0"})
         for row in rows:
-            name = f"{row['pair']} {row['check']} {row['bound']}"
+            broken = row.get("error")
+            name = "configuration" if broken else f"{row['pair']} {row['check']} {row['bound']}"
             case = ET.SubElement(suite, "testcase", {"classname": str(config), "name": name, "time": "0"})
-            if not row["passed"]:
+            if broken:
+                ET.SubElement(case, "error", {"message": sentence(row), "type": "configuration"}).text = sentence(row)
+            elif not row["passed"]:
                 failure = ET.SubElement(case, "failure", {"message": sentence(row), "type": "limit"})
                 failure.text = f"{row['config']}:{row['line']}: {sentence(row)}"
     ET.indent(root)
@@ -29,10 +32,13 @@ def render(answer: Answer, stream: IO[str]) -> None:
 
 def sentence(row: Row) -> str:
     """Return what a row of ``coast check`` says."""
+    if row.get("error"):
+        return str(row["error"])
     relation = "within" if row["passed"] else "past"
     return f"{row['pair']}: {row['check']} is {row['value']:.5g}, {relation} its {row['bound']} of {row['limit']:.5g}"
 
 
 def _counts(rows: Sequence[Row]) -> dict[str, str]:
-    failures = sum(not row["passed"] for row in rows)
-    return {"tests": str(len(rows)), "failures": str(failures), "errors": "0", "time": "0"}
+    errors = sum(bool(row.get("error")) for row in rows)
+    failures = sum(not row["passed"] for row in rows) - errors
+    return {"tests": str(len(rows)), "failures": str(failures), "errors": str(errors), "time": "0"}

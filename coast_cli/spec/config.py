@@ -31,6 +31,8 @@ from coast_cli.spec.values import (
     nominal,
 )
 
+FATIGUE_AMPLITUDE, FATIGUE_CYCLES = 0.004, 10_000_000
+
 
 class Material(Document):
     """A tube material."""
@@ -141,6 +143,29 @@ class LimitAtPoint(Document):
     bending_length_mm: Length = Field(description="bending length X2, mm")
 
 
+class Reach(Document):
+    """How far the pair must bend within its other limits."""
+
+    value: Annotated[float, Within(0.0, 3600.0, above=True)] = Field(description="bend that must be reached, degrees")
+    bending_length_mm: Length = Field(description="bending length X2, mm")
+
+
+class Fatigue(Document):
+    """The strain that the webs stand again and again, between straight and the point of max_stroke_mm."""
+
+    cycles: Annotated[int, Within(1, 1_000_000_000)] = Field(10_000_000, description="bends that the tubes must stand")
+    max_strain_amplitude: Annotated[float, Within(0.0, 1.0, above=True)] | None = Field(
+        None,
+        description="half of the largest web strain's range; default 0.004, which nitinol stands 10^7 times (Pelton and"
+        " others, J. Mech. Behav. Biomed. Mater. 1, 2008)",
+    )
+
+    @property
+    def amplitude(self) -> float:
+        """The limit of the strain amplitude."""
+        return FATIGUE_AMPLITUDE if self.max_strain_amplitude is None else self.max_strain_amplitude
+
+
 class Checks(Document):
     """What ``coast check`` holds the joint's pair to."""
 
@@ -151,6 +176,21 @@ class Checks(Document):
     max_stroke_mm: LimitAtPoint | None = Field(None, description="largest stroke, mm, at a curvature and length")
     max_tendon_strain: Annotated[float, Within(0.0, 1.0, above=True)] | None = Field(
         None, description="largest tendon strain, at the curvature and length of max_stroke_mm"
+    )
+    max_tension_n: Annotated[float, Within(0.0, 1e4, above=True)] | None = Field(
+        None, description="largest tendon tension at the actuator, N, at the curvature and length of max_stroke_mm"
+    )
+    max_web_strain: Annotated[float, Within(0.0, 1.0, above=True)] | None = Field(
+        None, description="largest strain of what the notches leave, at the curvature of max_stroke_mm"
+    )
+    min_closure_margin: Annotated[float, Within(0.0, 1e3, above=True)] | None = Field(
+        None, description="curvature at which the first notch closes over that of max_stroke_mm; above 1 it stays open"
+    )
+    fatigue: Fatigue | None = Field(None, description="strain amplitude of the webs between straight and max_stroke_mm")
+    min_bend_deg: Reach | None = Field(
+        None,
+        description="bend that the pair reaches at a bending length with open notches and every limit on stroke, tendon"
+        " strain, tension and web strain held",
     )
 
 

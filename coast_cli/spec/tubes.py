@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from coast_cli.errors import BadInput, nearest
-from coast_cli.spec.config import Config, Notch, RatioLimits, Sample, Stock
+from coast_cli.spec.config import FATIGUE_CYCLES, Config, Notch, RatioLimits, Sample, Stock
 from coast_cli.spec.positions import Path
 
 Role = Literal["outer", "middle"]
@@ -239,9 +239,15 @@ def _check_limits(config: Config) -> None:
         if ratio.min is not None and ratio.max is not None and ratio.min > ratio.max:
             path = ("checks", "rigidity_ratio", "min")
             raise config.refuse(path, "min is above max", found=ratio.min, allowed=f"at most {ratio.max:g}")
-    if config.checks.max_tendon_strain is not None and config.checks.max_stroke_mm is None:
-        message = "the strain is taken at the point of max_stroke_mm, which is not given"
-        raise config.refuse(("checks", "max_tendon_strain"), message)
+    for name in ("max_tendon_strain", "max_tension_n", "max_web_strain", "min_closure_margin", "fatigue"):
+        if getattr(config.checks, name) is not None and config.checks.max_stroke_mm is None:
+            message = "it is taken at the point of max_stroke_mm, which is not given"
+            raise config.refuse(("checks", name), message)
+    fatigue = config.checks.fatigue
+    if fatigue is not None and fatigue.max_strain_amplitude is None and fatigue.cycles > FATIGUE_CYCLES:
+        message = "no amplitude is known for so many cycles"
+        allowed = f"at most {FATIGUE_CYCLES}, or max_strain_amplitude of your own"
+        raise config.refuse(("checks", "fatigue", "cycles"), message, found=fatigue.cycles, allowed=allowed)
 
 
 def _check_corrections(config: Config) -> None:

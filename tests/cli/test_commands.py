@@ -5,6 +5,7 @@ import io
 import json
 import tomllib
 from itertools import pairwise
+from xml.etree import ElementTree as ET
 
 import pytest
 
@@ -178,7 +179,7 @@ def test_stroke_of_a_joint_driven_by_tension(coast, reference_text, tmp_path):
 
 
 def test_stroke_past_the_closing_of_the_notches_is_noted(coast, reference):
-    assert "faces of a notch touch" in coast("stroke", reference, "--kappa", "2000", "--x2", "5").err
+    assert "notch faces touch above 1124 1/m" in coast("stroke", reference, "--kappa", "2000", "--x2", "5").err
 
 
 @pytest.mark.parametrize("pair", ["OT9/MT1", "OT4/MT1/MT2", "OT4", "/"])
@@ -268,9 +269,10 @@ def test_check_without_checks_is_bad_input(coast, reference_text, tmp_path):
     assert ran.code == 3
     assert "no [checks] table" in ran.err
     config.write_text(reference_text[: reference_text.index("[checks]")] + "[checks]\n")
-    ran = coast("check", config)
-    assert (ran.code, ran.out) == (3, "")
+    ran = coast("check", config, "-f", "json")
+    assert ran.code == 3
     assert "checks: no limit is given" in ran.err
+    assert [(row["passed"], "no limit is given" in row["error"]) for row in rows(ran)] == [(False, True)]
 
 
 def test_validate_takes_many_files_and_says_what_is_wrong(coast, reference, edited, tmp_path):
@@ -335,3 +337,43 @@ def test_version(coast):
 
     ran = coast("--version")
     assert (ran.code, ran.out.strip()) == (0, __version__)
+
+
+def test_one_broken_file_does_not_hide_the_others(coast, reference, edited, tmp_path):
+    broken, late = edited(("depth_mm = 0.314", "depth_mm = 3.0"), name="broken.toml"), tmp_path / "absent.toml"
+    report = tmp_path / "report.xml"
+    ran = coast("check", reference, broken, late, "-f", "github", "-o", report)
+    assert ran.code == 3
+    lines = ran.out.splitlines()
+    assert lines[0].startswith(
+        f"::error file={broken},line=24,title=coast check::{broken}:24:1: outer.samples[0].depth_mm"
+    )
+    assert lines[1].startswith(f"::error file={late},line=1,title=coast check::")
+    assert len(lines) == 2
+    suites = ET.parse(report).getroot()
+    assert [(one.get("tests"), one.get("errors")) for one in suites] == [("5", "0"), ("1", "1"), ("1", "1")]
+    assert (suites.get("tests"), suites.get("failures"), suites.get("errors")) == ("7", "0", "2")
+    tight = edited(("max_stroke_mm = { value = 6.0", "max_stroke_mm = { value = 4.0"), name="tight.toml")
+    assert coast("check", tight, reference).code == 1
+    assert coast("check", tight, broken).code == 3
+
+
+def test_check_takes_a_pair(coast, reference):
+    ran = coast("check", reference, "--pair", "OT3/MT2", "-f", "json")
+    assert {row["pair"] for row in rows(ran)} == {"OT3/MT2"}
+    assert json.loads(ran.out)["provenance"]["options"] == {"pair": "OT3/MT2"}
+    assert coast("check", reference, "--pair", "OT9/MT2").code == 3
+
+
+def test_stroke_says_which_limits_are_passed(coast, reference):
+    assert "past a limit" not in coast("stroke", reference, "--kappa", "40", "--x2", "40").err
+    far = coast("stroke", reference, "--kappa", "40,300", "--x2", "40")
+    assert far.code == 0
+    for words in (
+        "tendon strain above 0.012 (checks.max_tendon_strain)",
+        "stroke above 6 mm",
+        "web strain 0.0451 above",
+    ):
+        assert f"past a limit from 300 1/m over 40 mm: {words}" in far.err
+    tense = coast("stroke", reference, "--stroke", "5", "--x2", "20,40")
+    assert "past a limit from 54.28 1/m over 20 mm: web strain 0.00816 above 0.008" in tense.err

@@ -97,7 +97,10 @@ CHECKS = [
 ]
 
 
-@pytest.mark.parametrize("rows", [[], CHECKS[:1], CHECKS])
+BROKEN = {**dict.fromkeys(CHECKS[0]), "config": "<x>.toml", "passed": False, "error": "<x>.toml: the file is empty."}
+
+
+@pytest.mark.parametrize("rows", [[], CHECKS[:1], CHECKS, [*CHECKS, BROKEN], [BROKEN]])
 def test_junit_validates_against_its_schema(rows):
     # The library's own deprecated use of a standard module is not this project's warning.
     import warnings
@@ -119,6 +122,14 @@ def test_junit_counts_and_says_what_failed():
     failure = root.find(".//failure")
     assert failure.get("message") == 'O/<M>: rigidity_"ratio" is 1, past its min of 2'
     assert failure.text.startswith("a&b.toml:83: ")
+
+
+def test_a_configuration_that_was_not_checked_is_an_error_and_no_failure():
+    root = ET.fromstring(rendered(junit, answer_of([*CHECKS, BROKEN])))
+    assert [root.get(name) for name in ("tests", "failures", "errors")] == ["4", "2", "1"]
+    assert root.find(".//error").get("message") == "<x>.toml: the file is empty."
+    line = rendered(github, answer_of([BROKEN])).splitlines()[0]
+    assert line == "::error file=<x>.toml,line=1,title=coast check::<x>.toml: the file is empty."
 
 
 def test_github_escapes_what_its_commands_reserve():
