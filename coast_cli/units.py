@@ -8,6 +8,7 @@ MILLIMETRE = 1e-3
 MICROMETRE = 1e-6
 DEGREE = pi / 180.0
 GIGAPASCAL = 1e9
+MEGAPASCAL = 1e6
 MILLINEWTON = 1e-3
 
 # Suffixes of column names with their factor to SI, one table a quantity.

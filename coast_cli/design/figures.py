@@ -46,9 +46,9 @@ def point_figures(
     Args:
         joint: gives tendon, friction and modulus; its own tubes are not used.
     """
-    columns = {}
+    columns, pairs = {}, joints_of(joint, outer, middle)
     if joint.tendon is not None:
-        solution = stroke(joints_of(joint, outer, middle), curvature, bending_length)
+        solution = stroke(pairs, curvature, bending_length)
         columns = {"stroke_mm": solution.stroke * 1e3, "tendon_strain": solution.tendon_strain}
     strain = [curvature * tubes.strain_per_curvature.max(axis=1) for tubes in (outer, middle)]
     closing = [tubes.closing_curvature.min(axis=1) for tubes in (outer, middle)]

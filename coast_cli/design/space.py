@@ -13,9 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coast_cli.mechanics.section import FloatArray
+from coast_cli.mechanics.superelastic import Superelastic
 from coast_cli.mechanics.tubes import Tubes
 from coast_cli.spec.config import Config
 from coast_cli.spec.explore import CountRange, Explore, ExploredTube, Range
+from coast_cli.spec.superelastic import build_superelastic
 from coast_cli.spec.tubes import BenchTube, Role, bench_tubes
 from coast_cli.spec.values import nominal
 from coast_cli.units import GIGAPASCAL, MILLIMETRE
@@ -42,6 +44,7 @@ class RoleSpace:
     tube: ExploredTube
     measured: tuple[FloatArray, FloatArray]
     youngs_modulus: float
+    superelastic: Superelastic | None
     density: float
 
     @property
@@ -94,6 +97,7 @@ class RoleSpace:
             density=np.full(len(values["count"]), self.density),
             natural_curvature=np.interp(values["depth_mm"], *self.measured),
             section=self.first.section,
+            superelastic=self.superelastic,
         )
         return replace(made, end_length=self.end_length(made))
 
@@ -171,5 +175,6 @@ def role_space(config: Config, explore: Explore, role: Role) -> RoleSpace:
         tube=tube,
         measured=(depths[order], (1.0 if role == "outer" else -1.0) * curvature[order]),
         youngs_modulus=nominal(material.youngs_modulus_gpa) * GIGAPASCAL,
+        superelastic=build_superelastic(material),
         density=material.density_kg_per_m3,
     )

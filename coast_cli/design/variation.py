@@ -88,6 +88,7 @@ class Variation:
             natural_curvature=tube.natural_curvature + error("natural_curvature_per_m"),
             section=tube.section,
             end_length=np.broadcast_to(tube.end_length, tube.depth.shape)[: depth.size] + np.zeros((count, 1)),
+            superelastic=tube.superelastic,
         )
         return replace(made, end_length=made.end_length_of_solids()[0]) if tube.name in self.tables else made
 

@@ -123,7 +123,7 @@ def branch(
     )
     gain = float(np.exp(exponent))
     curvature = curvature_limit * _GRID
-    moment = stations.segment.rigidity * (curvature - stations.drifted_rest)
+    moment = stations.segment.rigidity * joint.softening.carried(curvature - stations.drifted_rest)
     for effect in effects:
         moment = effect.moment(moment, np.broadcast_to(curvature, moment.shape), direction, stations.segment)
     if stations.pitch.size == 1:

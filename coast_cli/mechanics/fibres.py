@@ -87,6 +87,7 @@ def moment_curvature(
     *,
     axial_force: float = 0.0,
     unloading: bool = False,
+    modulus: ArrayLike | None = None,
 ) -> tuple[FloatArray, FloatArray]:
     """Return moment about the centroid (N m) and strain there, on an envelope; both of the shape of ``curvature``.
 
@@ -98,6 +99,7 @@ def moment_curvature(
             skin: a bend towards the notch).
         axial_force: that the section carries, N; pull is positive.
         unloading: the envelope back from full transformation instead of the one up from austenite.
+        modulus: of the austenite of each section, Pa, shape (...,), where it is not the law's.
 
     Raises:
         NotConverged: no strain of the centroid balances the force.
@@ -107,10 +109,12 @@ def moment_curvature(
     moment, centre = np.empty(kappa.shape), np.empty(kappa.shape)
     rows = kappa.reshape(-1, kappa.shape[-1])
     flat = _flat(fibres, kappa.shape[:-1])
+    stiff = None if modulus is None else np.broadcast_to(modulus, kappa.shape[:-1]).reshape(-1, 1, 1)
     step = max(1, _BLOCK // (kappa.shape[-1] * fibres.area.shape[-1]))
     for first in range(0, len(rows), step):
         part = slice(first, first + step)
-        found = _balanced(_rows(flat, part), law, rows[part], axial_force, _envelope(law, unloading=unloading))
+        own = law if stiff is None else law.with_modulus(stiff[part])
+        found = _balanced(_rows(flat, part), own, rows[part], axial_force, _envelope(own, unloading=unloading))
         moment.reshape(rows.shape)[part], centre.reshape(rows.shape)[part] = found[:2]
     return moment, centre
 
@@ -165,12 +169,13 @@ def _balanced(
     """
     area, arm = fibres.area[:, None, :], fibres.position[:, None, :]
     bent = curvature[:, :, None] * arm
+    austenite, martensite = (np.reshape(m, (-1, 1)) for m in (law.austenite_modulus, law.martensite_modulus))
     whole = fibres.area.sum(axis=-1)[:, None]
     widest = np.abs(curvature) * fibres.reach[:, None]
-    pull = abs(axial_force) / (law.martensite_modulus * whole) + law.transformation_strain * (axial_force != 0.0)
+    pull = abs(axial_force) / (martensite * whole) + law.transformation_strain * (axial_force != 0.0)
     low, high = -widest - pull, widest + pull
-    centre = np.clip(np.broadcast_to(axial_force / (law.austenite_modulus * whole), curvature.shape), low, high)
-    tolerance = _BALANCED * (law.austenite_modulus * whole * (widest + 1e-12) + abs(axial_force))
+    centre = np.clip(np.broadcast_to(axial_force / (austenite * whole), curvature.shape), low, high)
+    tolerance = _BALANCED * (austenite * whole * (widest + 1e-12) + abs(axial_force))
     for _ in range(_MOST_STEPS):
         strain = bent + centre[:, :, None]
         fraction, moving = state(strain)
@@ -181,7 +186,7 @@ def _balanced(
             break
         low, high = np.where(excess < 0.0, centre, low), np.where(excess > 0.0, centre, high)
         slope = (tangent * area).sum(axis=-1)
-        trial = centre - excess / np.maximum(slope, 1e-9 * law.austenite_modulus * whole)
+        trial = centre - excess / np.maximum(slope, 1e-9 * austenite * whole)
         inside = (trial > low) & (trial < high)
         centre = np.where(np.abs(excess) <= tolerance, centre, np.where(inside, trial, 0.5 * (low + high)))
     else:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from coast_cli.errors import BadInput
+from coast_cli.mechanics.bending_law import Softening, softening_of
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.mechanics.tube import NotchedTube
 from coast_cli.mechanics.tubes import Tubes
@@ -71,6 +72,13 @@ class Joint:
         return self.youngs_modulus * self.second_moment
 
     @cached_property
+    def softening(self) -> Softening:
+        """How superelastic tubes soften past their plateaus; nothing where all are linear."""
+        if self.middle.superelastic is None and (self.outer is None or self.outer.superelastic is None):
+            return Softening()
+        return softening_of(None if self.outer is None else self.outer.row, self.middle.row, self.youngs_modulus)
+
+    @cached_property
     def lever_arm(self) -> float:
         """Distance dy of the tendon from the middle tube's neutral axis, m: ybar + ri - r_t, averaged over notches."""
         radius = 0.0 if self.tendon is None else self.tendon.radius
@@ -126,6 +134,10 @@ class DrivenSegment(Protocol):
         """Flexural rigidity, N m^2."""
 
     @property
+    def softening(self) -> Softening:
+        """How superelastic tubes soften past their plateaus."""
+
+    @property
     def lever_arm(self) -> Any:  # noqa: ANN401
         """Distance dy of the tendon from the neutral axis, m."""
 
@@ -140,7 +152,7 @@ class DrivenSegment(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Joints:
-    """One joint with many pairs of tubes in turn; the last four have one entry a pair, as in ``Joint``."""
+    """One joint with many pairs of tubes in turn; the last five have one entry a pair, as in ``Joint``."""
 
     tendon: Tendon | None
     pulley_friction: float
@@ -151,6 +163,7 @@ class Joints:
     lever_arm: FloatArray
     cut: FloatArray
     pitch: FloatArray
+    softening: Softening
 
 
 def joints_of(joint: Joint, outer: Tubes, middle: Tubes) -> Joints:
@@ -167,6 +180,7 @@ def joints_of(joint: Joint, outer: Tubes, middle: Tubes) -> Joints:
         lever_arm=np.mean(middle.notch.neutral_axis, axis=1) + middle.inner_radius - radius,
         cut=np.mean(middle.cut, axis=1),
         pitch=np.mean(middle.pitch, axis=1),
+        softening=softening_of(outer, middle, joint.youngs_modulus),
     )
 
 
@@ -197,9 +211,12 @@ def tendon_shortening(joint: DrivenSegment, curvature: ArrayLike, bending_length
 
 
 def tension(joint: DrivenSegment, curvature: ArrayLike, bending_length: ArrayLike) -> FloatArray:
-    """Return the tension at the actuator, N: e^(mu alpha) eta^(X2/pitch) EI kappa / dy (P (10)-(12))."""
+    """Return the tension at the actuator, N: e^(mu alpha) eta^(X2/pitch) EI kappa / dy (P (10)-(12)).
+
+    EI kappa is the moment of linear tubes; past the plateau of a superelastic one it is less.
+    """
     per_curvature = _friction_gain(joint, bending_length) * joint.rigidity / joint.lever_arm
-    return np.asarray(per_curvature * np.asarray(curvature, dtype=float))
+    return np.asarray(per_curvature * joint.softening.carried(np.asarray(curvature, dtype=float)))
 
 
 def stroke(joint: DrivenSegment, curvature: ArrayLike, bending_length: ArrayLike) -> StrokeSolution:
@@ -234,8 +251,9 @@ def curvature_from_stroke(joint: DrivenSegment, stroke_length: ArrayLike, bendin
     while steps < _MOST_STEPS:
         steps += 1
         half = kappa * joint.pitch / 2.0
-        slope = stretch + count * joint.pitch * (joint.lever_arm * np.cos(half) - joint.cut / 2.0 * _sinc_slope(half))
-        excess = tendon_shortening(joint, kappa, length) + stretch * kappa - wanted
+        path = count * joint.pitch * (joint.lever_arm * np.cos(half) - joint.cut / 2.0 * _sinc_slope(half))
+        slope = stretch * joint.softening.slope(kappa) + path
+        excess = tendon_shortening(joint, kappa, length) + stretch * joint.softening.carried(kappa) - wanted
         change = excess / slope
         kappa = np.maximum(kappa - change, 0.0)
         error = float(np.max(np.abs(change) / (1.0 + kappa), initial=0.0))

@@ -11,6 +11,7 @@ Clausius-Clapeyron.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -54,7 +55,7 @@ class Superelastic:
         """Compliance of martensite beyond that of austenite, 1/Pa."""
         return 1.0 / self.martensite_modulus - 1.0 / self.austenite_modulus
 
-    def with_modulus(self, austenite_modulus: float) -> Superelastic:
+    def with_modulus(self, austenite_modulus: Any) -> Superelastic:  # noqa: ANN401  # a number, or one for each section
         """Return the law with both moduli in proportion to another austenite modulus (Pa), plateaus as they are."""
         factor = austenite_modulus / self.austenite_modulus
         return replace(self, austenite_modulus=austenite_modulus, martensite_modulus=factor * self.martensite_modulus)

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from coast_cli.mechanics.section import FloatArray, SectionKind, SectionProperties
+from coast_cli.mechanics.superelastic import Superelastic
 from coast_cli.mechanics.tubes import Tubes, tubes_of
 
 
@@ -39,6 +40,7 @@ class NotchedTube:
         natural_curvature: 1/m, signed: positive bends against gravity (an outer tube), negative along it (a middle tube).
         section: what a notch leaves, "sector" (P) or "chord" (a straight cut).
         end_length: extra cut length by which stress spreads from strip to ring, m, shape (n,); zeros leave it out (P).
+        superelastic: stress-strain law past the elastic range; None for a linear material.
     """
 
     name: str
@@ -52,6 +54,7 @@ class NotchedTube:
     natural_curvature: float = 0.0
     section: SectionKind = "sector"
     end_length: FloatArray | float = 0.0
+    superelastic: Superelastic | None = None
 
     @property
     def count(self) -> int:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coast_cli.mechanics.section import FloatArray, SectionKind, SectionProperties, full_section, notched_section
+from coast_cli.mechanics.superelastic import Superelastic
 
 if TYPE_CHECKING:
     from coast_cli.mechanics.tube import NotchedTube
@@ -30,6 +31,7 @@ class Tubes:
         count: notches of each tube, shape (m,).
         section: what a notch leaves.
         end_length: extra cut length by which stress spreads from strip to ring, m, shape (m, 1) or (m, n), or 0.
+        superelastic: stress-strain law past the elastic range; None for a linear material.
     """
 
     outer_radius: FloatArray
@@ -43,6 +45,7 @@ class Tubes:
     natural_curvature: FloatArray
     section: SectionKind = "sector"
     end_length: FloatArray | float = 0.0
+    superelastic: Superelastic | None = None
 
     @property
     def size(self) -> int:
@@ -153,14 +156,15 @@ class Tubes:
 
 
 def tubes_of(tubes: Sequence[NotchedTube]) -> Tubes:
-    """Return tubes of one section and one notch count as rows.
+    """Return tubes of one section, one stress-strain law and one notch count as rows.
 
     Raises:
         ValueError: they differ in either.
     """
     first = tubes[0]
-    if any(tube.section != first.section or tube.count != first.count for tube in tubes):
-        raise ValueError("tubes in one table share their section and, one depth a notch, their count")
+    alike = [(tube.section, tube.superelastic, tube.count) for tube in tubes]
+    if any(one != alike[0] for one in alike):
+        raise ValueError("tubes in one table share their section, their law and, one depth a notch, their count")
 
     def column(name: str) -> Any:  # noqa: ANN401  # numbers, of which some may be complex
         return np.array([getattr(tube, name) for tube in tubes]) * 1.0
@@ -177,6 +181,7 @@ def tubes_of(tubes: Sequence[NotchedTube]) -> Tubes:
         natural_curvature=column("natural_curvature"),
         section=first.section,
         end_length=np.stack([np.broadcast_to(tube.end_length, tube.depth.shape) for tube in tubes]),
+        superelastic=first.superelastic,
     )
 
 

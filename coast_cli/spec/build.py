@@ -12,6 +12,7 @@ from coast_cli.mechanics.joint import Joint, Tendon
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.mechanics.tube import NotchedTube
 from coast_cli.spec.config import Config
+from coast_cli.spec.superelastic import build_superelastic
 from coast_cli.spec.tubes import BenchTube, Role, assembly_fault, bench_tubes, pair_names
 from coast_cli.spec.values import nominal
 from coast_cli.units import GIGAPASCAL, MILLIMETRE
@@ -174,6 +175,7 @@ def build_tube(config: Config, tube: BenchTube, notes: dict[str, None] | None = 
         natural_curvature=(1.0 if tube.role == "outer" else -1.0) * tube.natural_curvature_per_m,
         section=tube.section,
         end_length=_end_length(tube, {} if notes is None else notes),
+        superelastic=build_superelastic(material),
     )
 
 

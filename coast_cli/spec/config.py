@@ -15,6 +15,7 @@ from pydantic import Field, PrivateAttr
 from coast_cli.errors import BadInput
 from coast_cli.spec.explore import Explore
 from coast_cli.spec.positions import Path, Position
+from coast_cli.spec.superelastic import SuperelasticFields
 from coast_cli.spec.tolerances import Tolerances
 from coast_cli.spec.values import (
     Allowed,
@@ -39,6 +40,9 @@ class Material(Document):
 
     youngs_modulus_gpa: Modulus = Field(description="Young's modulus of the austenite, GPa")
     density_kg_per_m3: Annotated[float, Within(100.0, 30_000.0)] = Field(description="density, kg/m^3")
+    superelastic: SuperelasticFields | None = Field(
+        None, description="stress-strain curve past the elastic range; left out for a linear material"
+    )
 
 
 class Environment(Document):

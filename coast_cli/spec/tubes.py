@@ -8,6 +8,7 @@ from typing import Any, Literal
 from coast_cli.errors import BadInput, nearest
 from coast_cli.spec.config import FATIGUE_CYCLES, Config, Notch, RatioLimits, Sample, Stock
 from coast_cli.spec.positions import Path
+from coast_cli.spec.superelastic import check_superelastic
 
 Role = Literal["outer", "middle"]
 MOST_NOTCHES = 2_000_000  # of all samples of a stock
@@ -47,6 +48,7 @@ def check_design(config: Config) -> None:
     """
     if config.outer is None and config.middle is None:
         raise config.refuse((), "there is no tube", allowed="an [outer] table, a [middle] table or both")
+    check_superelastic(config)
     _check_names(config)
     _check_size(config)
     tubes = {role: bench_tubes(config, role) for role in ("outer", "middle")}
