@@ -95,6 +95,9 @@ def sensitivity_rows(design: Design) -> tuple[list[Row], tuple[str, ...]]:
         )
     if design.joint_pair is not None and design.config.joint is not None:
         joint = design.joint()
+        if joint.softening.parts:
+            notes.append("strokes are derived below the stress plateau of [materials.NAME.superelastic].")
+            joint = joint.elastic
         if joint.tendon is not None:
             rows += _stroke_rows(joint)
             notes += _products(joint)

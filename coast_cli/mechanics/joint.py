@@ -6,7 +6,7 @@ omits decided as in each docstring. Valid for increasing stroke only; on release
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Protocol
 
@@ -77,6 +77,12 @@ class Joint:
         if self.middle.superelastic is None and (self.outer is None or self.outer.superelastic is None):
             return Softening()
         return softening_of(None if self.outer is None else self.outer.row, self.middle.row, self.youngs_modulus)
+
+    @property
+    def elastic(self) -> Joint:
+        """The same joint of linear tubes: itself below every plateau."""
+        outer = None if self.outer is None else replace(self.outer, superelastic=None)
+        return replace(self, outer=outer, middle=replace(self.middle, superelastic=None))
 
     @cached_property
     def lever_arm(self) -> float:
