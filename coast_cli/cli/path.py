@@ -17,7 +17,7 @@ def path(
     path: Annotated[
         str,
         typer.Option(
-            metavar="FILE.csv", help="arc_length_mm and curvature_per_m (s_mm, kappa_per_mm), or x_mm and y_mm"
+            metavar="FILE.csv", help="arc_length_mm and curvature_per_m (s_mm, kappa_per_mm), or x_mm and y_mm (z_mm)"
         ),
         READS,
     ],

@@ -100,7 +100,7 @@ def plan_path(
         "bending_length_mm": pulled.bending_length / MILLIMETRE,
         "outer_advance_mm": beyond / MILLIMETRE,
         "stage_advance_mm": (feed - beyond) / MILLIMETRE,
-        "roll_deg": np.full(feed.size, 180.0 if sign < 0.0 else 0.0),
+        "roll_deg": np.full(feed.size, path.roll / DEGREE + (180.0 if sign < 0.0 else 0.0)),
         "curvature_per_m": _known(sign * pulled.curvature + 0.0),
         "path_curvature_per_m": path.curvature_at(feed),
         "tension_n": _known(pulled.tension),

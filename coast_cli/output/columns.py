@@ -41,7 +41,7 @@ COLUMNS: dict[str, dict[str, str]] = {
         "bending_length_mm": "X2, the bending segment beyond the inner tube's tip, as commanded, mm",
         "outer_advance_mm": "X3, how far the outer tube is fed beyond the middle one, mm",
         "stage_advance_mm": "X4, how far the whole stage is fed, mm",
-        "roll_deg": "psi, roll of the stage: 0 where the bend is to the left of the path, 180 to the right",
+        "roll_deg": "psi, roll of the stage: 0 for a bend to the left of the path, 180 to the right, plus the roll of its plane",
         "curvature_per_m": "curvature of the bend that the model predicts for these controls, 1/m; positive to the left",
         "path_curvature_per_m": "curvature of the path at the tip, 1/m; positive to the left",
         "tension_n": "tendon tension at the actuator, N",

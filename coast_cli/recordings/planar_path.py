@@ -1,19 +1,21 @@
 """Read a planar path: a CSV file of arc length and signed curvature, or of points, as one curve in SI units.
 
 Between rows of curvature it is a straight line, so that the tangent's angle is exact. Points are taken as exact and
-joined by a cubic spline (not-a-knot) over the length of their chords; smooth measured ones before.
+joined by a cubic spline (not-a-knot) over the length of their chords; smooth measured ones before. Points in space are
+turned into their plane where they have one.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from coast_cli.errors import BadInput, nearest
+from coast_cli.recordings.path_plane import FLAT, in_plane
 from coast_cli.recordings.table import Table, read_table
-from coast_cli.units import CURVATURE, LENGTH
+from coast_cli.units import CURVATURE, LENGTH, MILLIMETRE
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -30,10 +32,11 @@ QUANTITIES: dict[str, Mapping[str, float]] = {
     "kappa": CURVATURE,
     "x": LENGTH,
     "y": LENGTH,
+    "z": LENGTH,
 }
 SAME = {"s": "arc_length", "kappa": "curvature"}
 KINDS = (("arc_length", "curvature"), ("x", "y"))
-ALLOWED = "arc_length_mm and curvature_per_m (or s_mm and kappa_per_mm), or x_mm and y_mm"
+ALLOWED = "arc_length_mm and curvature_per_m (or s_mm and kappa_per_mm), or x_mm and y_mm (and z_mm, in one plane)"
 LONGEST, SHARPEST = 100.0, 1e5  # m, 1/m: past any robot
 MOST_ROWS = 20_000
 _PIECES = 4096  # of the curve, for lengths and places
@@ -47,6 +50,7 @@ class PlanarPath:
         source, digest: the file and the SHA-256 of its bytes.
         rows: arc length of each row of the file, from zero, (n,).
         arc_length, angle, curvature, x, y: fine samples; the angle is the tangent's, rad, curvature is positive to the left.
+        roll: of its plane about its start, rad; 0 where left of the path is left in x and y.
         notes: how the file was read, where there is a choice.
     """
 
@@ -58,6 +62,7 @@ class PlanarPath:
     curvature: Floats
     x: Floats
     y: Floats
+    roll: float = 0.0
     notes: tuple[str, ...] = ()
 
     @property
@@ -135,19 +140,23 @@ def _of_curvature(table: Table, columns: Mapping[str, tuple[str, float]], notes:
     if along[0] != 0.0:
         notes += (f"{table.path}: the path starts at {along[0] * 1e3:g} mm; feed counts from there.",)
     found = path_of_curvature(along, kappa, table.path, table.digest)
-    return _with_notes(found, notes)
+    return replace(found, notes=notes)
 
 
 def _of_points(table: Table, columns: Mapping[str, tuple[str, float]], notes: tuple[str, ...]) -> PlanarPath:
     from scipy.interpolate import CubicSpline
 
-    points = np.column_stack([table.numbers(columns[name][0]) * columns[name][1] for name in KINDS[1]])
-    chord = np.hypot(*np.diff(points, axis=0).T)
+    names = [name for name in ("x", "y", "z") if name in columns]
+    points = np.column_stack([table.numbers(columns[name][0]) * columns[name][1] for name in names])
+    chord = np.linalg.norm(np.diff(points, axis=0), axis=1)
     if (chord == 0.0).any():
         raise table.error("two points coincide", row=1 + int(np.argmax(chord == 0.0)))
     if len(points) < 4:
         raise table.error(f"a path of {len(points)} points", row=0, allowed="at least four, for a spline through them")
     _refuse_long(table, float(chord.sum()))
+    roll = 0.0
+    if "z" in columns:
+        points, roll, notes = _flat(table, points, columns["z"][0], notes)
     knots = np.concatenate(([0.0], np.cumsum(chord)))
     fine = np.union1d(np.linspace(0.0, knots[-1], _PIECES + 1), knots)
     spline = CubicSpline(knots, points)
@@ -168,13 +177,22 @@ def _of_points(table: Table, columns: Mapping[str, tuple[str, float]], notes: tu
     found = PlanarPath(
         table.path, table.digest, rows, along, angle - angle[0], curvature, turned.real.copy(), turned.imag.copy()
     )
-    return _with_notes(found, notes)
+    return replace(found, notes=notes, roll=roll)
 
 
-def _with_notes(path: PlanarPath, notes: tuple[str, ...]) -> PlanarPath:
-    from dataclasses import replace
-
-    return replace(path, notes=notes)
+def _flat(table: Table, points: Floats, name: str, notes: tuple[str, ...]) -> tuple[Floats, float, tuple[str, ...]]:
+    """Return points in space as points of their plane, its roll (rad) and what to say of it."""
+    plane, roll, off = in_plane(points)
+    if off.max() > FLAT:
+        raise table.error(
+            "the path leaves the plane of its start, and the robot bends in one plane",
+            name=name,
+            row=int(np.argmax(off > FLAT)),
+            found=f"{off.max() / MILLIMETRE:.3g} mm at most",
+            allowed=f"points within {FLAT / MILLIMETRE:g} mm of one plane, whose roll is then in roll_deg",
+        )
+    note = f"{table.path}: its points lie within {max(off.max(), 1e-9) / MILLIMETRE:.1g} mm of one plane"
+    return plane, roll, (*notes, f"{note}, rolled by {np.degrees(roll):.4g} degrees.")
 
 
 def _refuse_long(table: Table, length: float) -> None:
@@ -209,10 +227,14 @@ def _columns(table: Table) -> tuple[dict[str, tuple[str, float]], tuple[str, ...
     kind = next((kind for kind in KINDS if set(kind) <= set(found)), None)
     if kind is None:
         raise _no_path(table, found, wrong, unknown)
-    spare = [*unknown, *(name for name, _ in wrong), *(name for key, (name, _) in found.items() if key not in kind)]
+    if kind == KINDS[0] and "z" in found:
+        allowed = "points x_mm, y_mm and z_mm, or no z"
+        raise table.error("a path of curvature has no z", name=found["z"][0], allowed=allowed)
+    used = (*kind, "z") if "z" in found else kind
+    spare = [*unknown, *(name for name, _ in wrong), *(name for key, (name, _) in found.items() if key not in used)]
     known = [quantity + suffix for quantity in QUANTITIES for suffix in QUANTITIES[quantity]]
     notes = (f"{table.path}: column {name!r} is not used. {nearest(name, known)}".rstrip() for name in spare if name)
-    return {key: found[key] for key in kind}, tuple(notes)
+    return {key: found[key] for key in used}, tuple(notes)
 
 
 def _parse(name: str) -> tuple[str | None, str]:

@@ -118,3 +118,40 @@ def test_what_is_wrong_is_said_in_a_sentence_with_its_place(written, text, said)
 def test_a_file_that_is_not_there_is_said():
     with pytest.raises(BadInput, match=r"absent\.csv: cannot be read"):
         read_path("absent.csv")
+
+
+def in_space(angle, lift=0.0, tilt=0.0):
+    """Return a CSV of an arc of 80 degrees over 40 mm in a plane rolled by an angle (rad), its last points lifted (mm)."""
+    along = np.linspace(0.0, 40.0, 41)
+    kappa = np.radians(80.0) / 40.0
+    x, across = np.sin(kappa * along) / kappa, (1.0 - np.cos(kappa * along)) / kappa
+    y, z = across * np.cos(angle), across * np.sin(angle) + lift * (along > 30.0)
+    x, y = x * np.cos(tilt) - y * np.sin(tilt), x * np.sin(tilt) + y * np.cos(tilt)
+    rows = "\n".join(f"{a:.6f},{b:.6f},{c:.6f}" for a, b, c in zip(x, y, z, strict=True))
+    return f"x_mm,y_mm,z_mm\n{rows}\n"
+
+
+@pytest.mark.parametrize("degrees", [0.0, 30.0, -75.0])
+@pytest.mark.parametrize("tilt", [0.0, 0.7])
+def test_points_of_any_plane_are_the_path_in_it(written, degrees, tilt):
+    path = read_path(written(in_space(np.radians(degrees), tilt=tilt)))
+    assert np.degrees(path.roll) == pytest.approx(degrees, abs=0.05)
+    assert path.length == pytest.approx(0.04, abs=1e-6)
+    np.testing.assert_allclose(path.curvature_at(np.array([0.005, 0.02, 0.035])), np.radians(80.0) / 0.04, rtol=2e-3)
+    assert "of one plane" in path.notes[0]
+
+
+def test_a_bend_to_the_right_in_a_plane_stays_one(written):
+    path = read_path(written(in_space(np.radians(180.0 - 20.0))))
+    assert np.degrees(path.roll) == pytest.approx(-20.0, abs=0.05)
+    assert path.curvature_at(np.array([0.02]))[0] == pytest.approx(-np.radians(80.0) / 0.04, rel=2e-3)
+
+
+def test_a_path_that_leaves_its_plane_is_refused_where_it_does(written):
+    with pytest.raises(BadInput, match=r"^[^ ]*:\d+.*z_mm.* leaves the plane of its start.*within 0.1 mm"):
+        read_path(written(in_space(0.3, lift=2.0)))
+
+
+def test_a_path_of_curvature_has_no_z(written):
+    with pytest.raises(BadInput, match="a path of curvature has no z"):
+        read_path(written("s_mm,kappa_per_m,z_mm\n0,10,0\n25,10,1\n"))
