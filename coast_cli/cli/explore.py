@@ -61,7 +61,13 @@ def explore(
         try:
             with workers(jobs, cluster) as executor, progress("blocks", total, beginning.blocks) as advance:
                 rows, notes = run(
-                    document, text, executor=executor, beginning=beginning, save=stream.write, advance=advance
+                    document,
+                    text,
+                    executor=executor,
+                    beginning=beginning,
+                    save=stream.write,
+                    advance=advance,
+                    every=every is not None,
                 )
         except (KeyboardInterrupt, WorkerLost):
             if stream.blocks:

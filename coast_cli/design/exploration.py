@@ -53,6 +53,7 @@ def explore(
     beginning: Beginning,
     save: Save | None,
     advance: Callable[[], None],
+    every: bool = True,
     chunk: int = CHUNK,
 ) -> tuple[list[Row], tuple[str, ...]]:
     """Return the front as rows, best score first, and notes.
@@ -60,13 +61,14 @@ def explore(
     Args:
         config, text: the configuration and what it was read from, which workers read anew.
         executor: from ``work.workers``. save: takes the pairs of each block and the state that the next run must know.
-        chunk: tubes of a role in one block. advance: called after every block and refinement.
+        advance: called after every block and refinement. every: whether ``save`` wants the pairs, or the state alone.
+        chunk: tubes of a role in one block.
 
     Raises:
         BadInput: no tube of the ranges can be made, or no pair of them goes together.
     """
     rounds = 0 if config.explore is None else config.explore.refinements
-    blocks, front, counts = tasks(text, config.source, chunk), Front(), dict.fromkeys(_COUNTS, 0)
+    blocks, front, counts = tasks(text, config.source, chunk, every=every), Front(), dict.fromkeys(_COUNTS, 0)
     if beginning.blocks:
         front, counts = _restored(beginning.state)
     for block in in_order(*executor, explore_block, blocks[beginning.blocks :]):
@@ -95,10 +97,8 @@ def steps(config: Config, text: str) -> int:
 
 
 def _count(block: Block, counts: dict[str, int]) -> None:
-    pairs = next((len(column) for column in block.columns.values()), 0)
-    counts["pairs"] += pairs
-    counts["impossible"] += block.impossible
-    counts["passing"] += int(np.count_nonzero(block.columns["passes"])) if pairs else 0
+    for name in _COUNTS:
+        counts[name] += getattr(block, name)
 
 
 def _saved(front: Front, counts: Mapping[str, int]) -> dict[str, NDArray[Any]]:

@@ -20,7 +20,7 @@ from coast_cli.design.space import Space, space
 from coast_cli.errors import NotConverged
 from coast_cli.mechanics.pairs import BentTubes, bent, every_pair, listed_pairs
 from coast_cli.mechanics.section import FloatArray
-from coast_cli.mechanics.tubes import Tubes, tubes_of
+from coast_cli.mechanics.tubes import Rows, Tubes, tubes_of
 from coast_cli.spec.build import Design, build
 from coast_cli.spec.config import Config
 from coast_cli.spec.explore import Explore
@@ -28,7 +28,7 @@ from coast_cli.spec.load import load_config_text
 from coast_cli.spec.tubes import Role
 
 CHUNK = 128  # tubes of a role in one block
-_KEPT = 16  # solved chunks of a role that a process keeps
+_KEPT_BYTES = 128e6  # of solved chunks of a role that a process keeps
 _PARENTS, _CHILDREN = 128, 16  # of the front in one refinement, and the pairs tried round each
 _FIRST_BOX, _SHRINKING = 0.25, 0.5  # width of the box as a share of each range, and its factor from round to round
 ROLES: tuple[Role, ...] = ("outer", "middle")
@@ -46,21 +46,28 @@ _FIGURE_OF = {
 
 @dataclass(frozen=True)
 class Task:
-    """One block of pairs: the configuration as text, its file's name, tubes in a chunk, and which chunks meet."""
+    """One block of pairs: the configuration as text, its file's name, tubes in a chunk, and which chunks meet.
+
+    Attributes:
+        every: whether the figures of every pair are wanted, or the front alone.
+    """
 
     text: str
     name: str
     size: int
     outer: int
     middle: int
+    every: bool
 
 
 @dataclass(frozen=True)
 class Block:
-    """All pairs of one block in order, and its part of the front.
+    """The pairs of one block, and its part of the front.
 
     Attributes:
-        columns: of every pair that can be assembled; the number of each tube, its varied keys, figures, ``passes``.
+        columns: of every pair that can be assembled, in order, where they are wanted; the number of each tube, its
+            varied keys, figures, ``passes``.
+        pairs, passing: how many pairs were solved, and how many of them pass the checks.
         costs, front: objectives of the passing pairs that no other of the block beats, and what is known of them.
         impossible: pairs that cannot be made or assembled, or whose beams were not solved.
     """
@@ -68,14 +75,16 @@ class Block:
     columns: Columns
     costs: FloatArray
     front: Columns
+    pairs: int
+    passing: int
     impossible: int
 
 
-def tasks(text: str, name: str, size: int = CHUNK) -> list[Task]:
+def tasks(text: str, name: str, size: int = CHUNK, *, every: bool = True) -> list[Task]:
     """Return the blocks of a configuration in their order."""
     found = _study(text, name)
     counts = [-(-len(found.shares(role)) // size) for role in ROLES]
-    return [Task(text, name, size, one, two) for one in range(counts[0]) for two in range(counts[1])]
+    return [Task(text, name, size, one, two, every) for one in range(counts[0]) for two in range(counts[1])]
 
 
 def explore_block(task: Task) -> Block:
@@ -83,15 +92,10 @@ def explore_block(task: Task) -> Block:
     study = _study(task.text, task.name)
     outer, middle = study.chunk("outer", task.outer, task.size), study.chunk("middle", task.middle, task.size)
     if outer.rows.size == 0 or middle.rows.size == 0:
-        return Block({}, np.zeros((0, 1)), {}, outer.size * middle.size)
+        return _nothing(outer.size * middle.size)
     second, first = (index.ravel() for index in np.indices((middle.rows.size, outer.rows.size)))
     figures = pair_columns(every_pair(outer.bent, middle.bent))
-    shares = np.concatenate((outer.shares[first], middle.shares[second]), axis=1)
-    numbers = {"outer": outer.rows[first] + 1, "middle": middle.rows[second] + 1}
-    tubes = outer.tubes.picked(first), middle.tubes.picked(second)
-    values = {f"outer_{key}": column[first] for key, column in outer.values.items()}
-    values |= {f"middle_{key}": column[second] for key, column in middle.values.items()}
-    return study.block(numbers, values, shares, tubes, figures, outer.size * middle.size)
+    return study.block((outer, middle), (first, second), figures, outer.size * middle.size, every=task.every)
 
 
 def refine(text: str, name: str, front: Front, round_number: int) -> Block | None:
@@ -134,14 +138,15 @@ class _Study:
         return self._shares[role]
 
     def chunk(self, role: Role, number: int, size: int) -> _Chunk:
-        """Return one chunk of a role, solved; the last few are kept."""
+        """Return one chunk of a role, solved; some are kept: of the middle tubes, which come round, the first ones."""
         key = role, number, size
         if key not in self._chunks:
             rows = slice(number * size, (number + 1) * size)
             solved = self._solve(role, self.shares(role)[rows], number * size)
+            most = max(1, int(_KEPT_BYTES / max(solved.bytes, 1)))
             mine = [other for other in self._chunks if other[0] == role]
-            if len(mine) >= _KEPT:
-                del self._chunks[mine[0]]
+            if len(mine) >= most:
+                del self._chunks[mine[-1] if role == "middle" else mine[0]]
             self._chunks[key] = solved
         return self._chunks[key]
 
@@ -150,9 +155,14 @@ class _Study:
         values = part.values(shares)
         tubes = part.tubes(values)
         rows = np.flatnonzero(tubes.possible)
-        tubes, values = tubes.picked(rows), {key: column[rows] for key, column in values.items()}
+        return self._chunk_of(tubes.picked(rows), values, shares, rows, first)
+
+    def _chunk_of(
+        self, tubes: Tubes, values: dict[str, FloatArray], shares: FloatArray, rows: Rows, first: int
+    ) -> _Chunk:
         solved = bent(tubes, self.design.gravity) if rows.size else None
-        return _Chunk(len(shares), first + rows, shares[rows], values, tubes, solved)
+        known = {key: column[rows] for key, column in values.items()}
+        return _Chunk(len(shares), first + rows, shares[rows], known, tubes, solved)
 
     def pairs(self, shares: FloatArray) -> Block:
         """Return the figures of pairs row by row; shares of the outer and then of the middle tube."""
@@ -160,45 +170,58 @@ class _Study:
         values = self.space.outer.values(parts[0]), self.space.middle.values(parts[1])
         tubes = self.space.outer.tubes(values[0]), self.space.middle.tubes(values[1])
         rows = np.flatnonzero(tubes[0].possible & tubes[1].possible)
-        tubes = tubes[0].picked(rows), tubes[1].picked(rows)
-        every = np.arange(rows.size)
         if rows.size == 0:
-            return Block({}, np.zeros((0, 1)), {}, len(shares))
-        solved = bent(tubes[0], self.design.gravity), bent(tubes[1], self.design.gravity)
-        figures = pair_columns(listed_pairs(*solved, (every, every)))
-        named = {f"outer_{key}": column[rows] for key, column in values[0].items()}
-        named |= {f"middle_{key}": column[rows] for key, column in values[1].items()}
-        numbers = {"outer": np.zeros(rows.size, dtype=np.int64), "middle": np.zeros(rows.size, dtype=np.int64)}
-        return self.block(numbers, named, shares[rows], tubes, figures, len(shares))
+            return _nothing(len(shares))
+        outer, middle = (
+            self._chunk_of(made.picked(rows), known, part, rows, 0)
+            for made, known, part in zip(tubes, values, parts, strict=True)
+        )
+        every = np.arange(rows.size)
+        figures = pair_columns(listed_pairs(outer.bent, middle.bent, (every, every)))
+        return self.block((outer, middle), (every, every), figures, len(shares), every=False)
 
     def block(
         self,
-        numbers: Columns,
-        values: Mapping[str, FloatArray],
-        shares: FloatArray,
-        tubes: tuple[Tubes, Tubes],
+        chunks: tuple[_Chunk, _Chunk],
+        pairs: tuple[Rows, Rows],
         figures: dict[str, FloatArray],
         asked: int,
+        *,
+        every: bool,
     ) -> Block:
-        """Return a block of pairs whose tubes are known: held to the limits, and its own front found."""
-        figures = figures | at_the_point(self.design, *tubes)
-        good = assembles(self.config, *tubes) & np.isfinite(figures["total_precurvature_rad"])
+        """Return a block of pairs of two chunks: held to the limits, and its own front found."""
+        outer, middle = (chunk.tubes.picked(row) for chunk, row in zip(chunks, pairs, strict=True))
+        figures = figures | at_the_point(self.design, outer, middle)
+        good = assembles(self.config, outer, middle) & np.isfinite(figures["total_precurvature_rad"])
         passes = np.logical_and.reduce([good, *(limit.holds(figures) for limit in self.limits)])
-        varied = {
-            f"{role}_{key}": values[f"{role}_{key}"]
-            for role in ROLES
-            for key in (*self.space.role(role).ranges, *(("count",) if self.space.role(role).tube.length_mm else ()))
-        }
-        table: Columns = {name: column[good] for name, column in {**numbers, **varied, **figures}.items()}
-        table["passes"] = passes[good]
-        front = Front()
-        known: Columns = {**values, **figures}
+        front, rows = Front(), np.flatnonzero(passes)
+        front.add(self.costs({name: column[rows] for name, column in figures.items()}), {"row": rows})
+        best = front.columns.get("row", rows)
+        known: Columns = {name: column[best] for name, column in figures.items()}
+        first, second = (pair[best] for pair in pairs)
+        for chunk, role, row in zip(chunks, ROLES, (first, second), strict=True):
+            known |= {f"{role}_{key}": column[row] for key, column in chunk.values.items()}
+        shares = np.concatenate((chunks[0].shares[first], chunks[1].shares[second]), axis=1)
         known |= {f"share_{axis}": column for axis, column in enumerate(shares.T)}
-        rows = np.flatnonzero(passes)
-        costs = self.costs({name: column[rows] for name, column in figures.items()})
-        front.add(costs, {name: np.asarray(column)[rows] for name, column in known.items()})
-        best = np.zeros((0, costs.shape[1])) if front.costs is None else front.costs
-        return Block(table, best, front.columns, asked - int(np.count_nonzero(good)))
+        costs = np.zeros((0, 1)) if front.costs is None else front.costs
+        table = self._table(chunks, pairs, figures | {"passes": passes}, good) if every else {}
+        solved = int(np.count_nonzero(good))
+        return Block(table, costs, known, solved, rows.size, asked - solved)
+
+    def _table(
+        self,
+        chunks: tuple[_Chunk, _Chunk],
+        pairs: tuple[Rows, Rows],
+        figures: Mapping[str, NDArray[Any]],
+        good: NDArray[np.bool_],
+    ) -> Columns:
+        """Return the columns of every good pair, the numbers of its tubes and their varied keys first."""
+        kept = [pair[good] for pair in pairs]
+        table: Columns = {role: chunk.rows[row] + 1 for role, chunk, row in zip(ROLES, chunks, kept, strict=True)}
+        for role, chunk, row in zip(ROLES, chunks, kept, strict=True):
+            counted = ("count",) if self.space.role(role).tube.length_mm else ()
+            table |= {f"{role}_{key}": chunk.values[key][row] for key in (*self.space.role(role).ranges, *counted)}
+        return table | {name: column[good] for name, column in figures.items()}
 
     def costs(self, figures: Mapping[str, FloatArray]) -> FloatArray:
         """Return what each objective counts, shape (pairs, objectives); smaller is better."""
@@ -228,11 +251,20 @@ class _Chunk:
     solved: BentTubes | None
 
     @property
+    def bytes(self) -> int:
+        """Memory of the solved tubes, about."""
+        return 0 if self.solved is None else 6 * self.solved.rigidity.nbytes
+
+    @property
     def bent(self) -> BentTubes:
         """The solved tubes; asked for only where there are any."""
         if self.solved is None:
             raise NotConverged("no tube of this chunk can be made.")
         return self.solved
+
+
+def _nothing(asked: int) -> Block:
+    return Block({}, np.zeros((0, 1)), {}, 0, 0, asked)
 
 
 def _sobol(axes: int, explore: Explore, role: Role) -> FloatArray:

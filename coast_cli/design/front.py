@@ -12,6 +12,7 @@ from coast_cli.design.rank import pareto
 from coast_cli.mechanics.section import FloatArray
 
 _SCOUTS = 64  # members of the front that newcomers meet first; they turn most away
+_FEW = 256  # newcomers, from which on the best of them go first
 MOST = 20_000  # members, which bounds memory; past it near neighbours are thinned out
 
 
@@ -39,12 +40,30 @@ def thinned(costs: FloatArray) -> NDArray[np.int64]:
     """
     low, size = costs.min(axis=0), np.ptp(costs, axis=0)
     share = (costs - low) / np.where(size > 0.0, size, 1.0)
+    digits = np.uint64(4099) ** np.arange(costs.shape[1], dtype=np.uint64)  # a box's number; that of few coincide
     boxes = 4096
     while True:
-        _, first = np.unique(np.floor(share * boxes).astype(np.int64), axis=0, return_index=True)
+        _, first = np.unique(np.floor(share * boxes).astype(np.uint64) @ digits, return_index=True)
         if first.size <= MOST // 2:
             return np.sort(first)
         boxes //= 2
+
+
+def _unbeaten(costs: FloatArray, scouts: FloatArray) -> NDArray[np.bool_]:
+    """Return which rows no scout dominates."""
+    columns, kept = np.ascontiguousarray(costs.T), np.ones(len(costs), dtype=bool)
+    for scout in scouts.tolist():
+        no_better = np.logical_and.reduce([value <= column for value, column in zip(scout, columns, strict=True)])
+        same = np.logical_and.reduce([value == column for value, column in zip(scout, columns, strict=True)])
+        kept &= ~no_better | same
+    return kept
+
+
+def _best_by_weights(costs: FloatArray) -> NDArray[np.int64]:
+    """Return the rows with the least of some weighted sums of costs, which are undominated and beat most others."""
+    scaled = (costs - costs.min(axis=0)) / np.maximum(np.ptp(costs, axis=0), np.finfo(float).tiny)
+    weights = np.random.default_rng(0).dirichlet(np.ones(costs.shape[1]), _SCOUTS // 2)
+    return np.unique(np.argmin(scaled @ weights.T, axis=0))
 
 
 @dataclass
@@ -67,12 +86,12 @@ class Front:
     def add(self, costs: FloatArray, columns: Mapping[str, NDArray[np.generic]]) -> None:
         """Take in designs, and let go of those that are now dominated."""
         rows = np.arange(len(costs))
-        if self.costs is not None and self.size:
-            scouts = self.costs[np.linspace(0, self.size - 1, min(self.size, _SCOUTS)).astype(int)]
-            beaten = np.zeros(len(costs), dtype=bool)
-            for scout in scouts:
-                beaten |= np.all(scout <= costs, axis=1) & np.any(scout < costs, axis=1)
-            rows = rows[~beaten]
+        if rows.size and self.costs is not None and self.size:
+            rows = rows[
+                _unbeaten(costs, self.costs[np.linspace(0, self.size - 1, min(self.size, _SCOUTS)).astype(int)])
+            ]
+        if rows.size > _FEW:
+            rows = rows[_unbeaten(costs[rows], costs[rows][_best_by_weights(costs[rows])])]
         if rows.size == 0:
             return
         together = costs[rows] if self.costs is None else np.concatenate((self.costs, costs[rows]))

@@ -18,10 +18,9 @@ from numpy.typing import NDArray
 from coast_cli.mechanics.beam import solve_beams, solve_curvatures, solve_segments
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.mechanics.tube import NotchedTube
-from coast_cli.mechanics.tubes import Tubes
+from coast_cli.mechanics.tubes import Rows, Tubes
 
 Assembly = Literal["separate", "coupled"]
-Rows = NDArray[np.int64]
 
 _BLOCK = 1 << 18  # pairs times pieces at once: two megabytes an array
 _MERGED = 1 << 15  # the same where each pair has its own pieces, which takes more tables

@@ -21,6 +21,10 @@ if TYPE_CHECKING:
     from coast_cli.mechanics.tube import NotchedTube
 
 
+_KEPT = ("possible", "pitch", "ring", "notch", "rigidity_mean", "rigidity_series")  # of picked tubes
+Rows = NDArray[np.int64]
+
+
 @dataclass(frozen=True)
 class Tubes:
     """m tubes; lengths in m, moduli in Pa. Numbers may be complex: sensitivities are complex steps.
@@ -53,9 +57,17 @@ class Tubes:
         return int(self.outer_radius.size)
 
     def picked(self, rows: Any) -> Tubes:  # noqa: ANN401  # whatever indexes an array
-        """Return some of the tubes, in the order of ``rows``."""
-        values = {item.name: getattr(self, item.name) for item in fields(self)}
-        return Tubes(**{k: v[rows] if isinstance(v, np.ndarray) else v for k, v in values.items()})
+        """Return some of the tubes, in the order of ``rows``; what is known of them already is not found anew."""
+
+        def some(value: Any) -> Any:  # noqa: ANN401
+            if isinstance(value, SectionProperties):
+                return SectionProperties(*(some(getattr(value, item.name)) for item in fields(value)))
+            return value[rows] if isinstance(value, np.ndarray) else value
+
+        made = Tubes(**{item.name: some(getattr(self, item.name)) for item in fields(self)})
+        known = {name: some(self.__dict__[name]) for name in _KEPT if name in self.__dict__}
+        made.__dict__.update(known)  # where cached properties keep their values
+        return made
 
     @cached_property
     def possible(self) -> NDArray[np.bool_]:

@@ -67,7 +67,9 @@ def exploration(name: str, tubes: int, cuts: str, *, stream: bool) -> None:
         file = CsvStream(Path(folder) / "pairs.csv", "", overwrite=False) if stream else None
         save = None if file is None else file.write
         took, _ = timed(
-            lambda: explore(config, text, executor=(None, 1), beginning=Beginning(), save=save, advance=lambda: None)
+            lambda: explore(
+                config, text, executor=(None, 1), beginning=Beginning(), save=save, advance=lambda: None, every=stream
+            )
         )
         if file is not None:
             file.finish()

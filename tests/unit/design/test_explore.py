@@ -245,3 +245,12 @@ def made(tube, samples, values, sign):
         uncut=tube.uncut[0] * one,
         natural_curvature=sign * float(np.interp(values["depth_mm"], *zip(*known, strict=True))),
     )
+
+
+def test_the_front_alone_is_that_of_a_run_that_keeps_every_pair(reference_text):
+    """Blocks then carry no columns, so that a run of any size holds only its front."""
+    text = text_with(reference_text, SOBOL.replace("refinements = 5", "refinements = 1"))
+    kept = []
+    alone = run(text, chunk=32, every=False, save=lambda columns, _: kept.append(len(columns)))
+    assert kept == [0] * 4
+    assert alone == run(text, chunk=32)
