@@ -128,11 +128,12 @@ def _corrected(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return strokes (m), predicted curvatures (1/m) and tensions (N) after the forward model has had the last word.
 
-    What it says is left over moves each stroke by ``slope`` (m per 1/m), until nothing is or it gets no better.
+    What it says is left over moves each stroke by ``slope`` (m per 1/m), halved where it went too far, until nothing is
+    or it gets no better.
     """
     layout = Layout("curvature", 1, _limit(curvature[np.isfinite(curvature)]))
     best: tuple[FloatArray, FloatArray, FloatArray] | None = None
-    least = np.inf
+    least, before = np.inf, np.zeros_like(curvature)
     for _ in range(_CORRECTIONS):
         found = predict(joint, effects, [History(None, stroke, None, bending_length)], layout)[0]
         predicted = found.response[:, 0]
@@ -143,6 +144,7 @@ def _corrected(
         wrong = np.abs(left) > _LEFT
         if not wrong.any():
             break
+        slope, before = np.where(left * before < 0.0, 0.5 * slope, slope), left
         stroke = stroke + np.where(wrong, left * slope, 0.0)
     return best or (stroke, predicted, found.tension)
 

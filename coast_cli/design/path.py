@@ -16,7 +16,7 @@ import numpy as np
 from coast_cli.design.drive_history import drive_along
 from coast_cli.design.follow_leader import Body, deviation, follow_path
 from coast_cli.design.loading import acting_on_load, corrected_stroke
-from coast_cli.design.reach import PLATEAU_STRAIN, Mask, Pulled, Webs, tendon_limits, web_limits
+from coast_cli.design.reach import PLATEAU_STRAIN, Mask, Pulled, Webs, softens, tendon_limits, web_limits
 from coast_cli.effects.effect import Effect
 from coast_cli.mechanics.joint import Joint, curvature_from_stroke, stroke, tension
 from coast_cli.mechanics.section import FloatArray
@@ -186,7 +186,7 @@ def _notes(
             "it has one bend, of one curvature."
         )
     strain = abs(body.curvature) * Webs.of(joint).strain_per_curvature
-    if body.bend > 0.0 and strain > PLATEAU_STRAIN and all(effect.id != "tube_superelasticity" for effect in acting):
+    if body.bend > 0.0 and strain > PLATEAU_STRAIN and not softens(joint, [effect.id for effect in acting]):
         notes.append(
             f"web strain reaches {100.0 * strain:.3g} %: above {100.0 * PLATEAU_STRAIN:g} % nitinol softens, "
             "which the model leaves out."

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -16,6 +16,7 @@ from coast_cli.units import MILLIMETRE
 Mask = NDArray[np.bool_]
 PLATEAU_STRAIN, SET_STRAIN = 0.008, 0.054  # 360 MPa over 45 GPa, and 4.6 % further, where nitinol keeps a set
 _HALVINGS = 60
+_SOFTENING = frozenset({"tube_superelasticity", "tube_hysteresis"})
 
 
 class Pulled(NamedTuple):
@@ -37,6 +38,11 @@ class Webs(NamedTuple):
         """Return those of both tubes of a joint."""
         tubes = [tube for tube in (joint.outer, joint.middle) if tube is not None]
         return cls(max(float(tube.strain_per_curvature.max()) for tube in tubes), joint.closure_curvature)
+
+
+def softens(joint: Joint, acting: Iterable[str]) -> bool:
+    """Return whether the model has the stress plateau: by the joint's material, or by an effect of these ids."""
+    return bool(joint.softening.parts) or not _SOFTENING.isdisjoint(acting)
 
 
 def pulled_at(joint: DrivenSegment, curvature: FloatArray, bending_length: float) -> Pulled:

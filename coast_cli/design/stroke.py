@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from coast_cli.design.loading import acting_on_load, corrected_stroke
-from coast_cli.design.reach import PLATEAU_STRAIN, Pulled, Webs, tendon_limits, web_limits
+from coast_cli.design.reach import PLATEAU_STRAIN, Pulled, Webs, softens, tendon_limits, web_limits
 from coast_cli.effects.effect import Effect
 from coast_cli.errors import NotConverged, UsageError
 from coast_cli.mechanics.joint import Joint, StrokeSolution, curvature_from_stroke, stroke, tension, tip
@@ -130,7 +130,7 @@ def _passed(
         *web_limits(solution.curvature, webs, checks, closes="notch_closure" in acting),
         *(tendon_limits(pulled, checks) if joint.tendon is not None else []),
     ]
-    if "tube_superelasticity" not in acting:
+    if not softens(joint, acting):
         words = f"web strain {float(strain.max()):.3g} above {PLATEAU_STRAIN:g}: nitinol softens, which the model leaves out"
         passed.append((strain > PLATEAU_STRAIN, words))
     notes = []

@@ -17,7 +17,7 @@ from coast_cli.effects.forward import Layout, Prediction, Tables, predict
 from coast_cli.mechanics.joint import Joint, curvature_from_stroke
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.recordings.model import JointRun
-from coast_cli.units import GIGAPASCAL, MILLIMETRE
+from coast_cli.units import GIGAPASCAL, MEGAPASCAL, MILLIMETRE
 
 if TYPE_CHECKING:
     from coast_cli.recordings.noise import NoiseEstimate
@@ -272,6 +272,7 @@ class Problem:
         from coast_cli.effects.stations import stations_for
 
         curvature, strain, closure, tension = 1e-9, 1e-9, 1e-9, 1e-9
+        stiffest = max(joint.youngs_modulus for joint in self.joints.values())
         predictions = self.predict(self.configured(), ())
         for run, prediction in zip(self.runs, predictions, strict=True):
             if run not in self._fitted_runs:
@@ -295,6 +296,7 @@ class Problem:
             "": 1.0,
             "curvature": curvature,
             "strain": strain,
+            "stress": strain * stiffest / MEGAPASCAL,
             "closure": closure,
             "tension": tension,
             "duration": max(spans, default=1.0),

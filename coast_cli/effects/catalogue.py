@@ -26,6 +26,7 @@ from coast_cli.effects.tendon_permanent_set import TendonPermanentSet
 from coast_cli.effects.tendon_superelasticity import TendonSuperelasticity
 from coast_cli.effects.thermal_drift import ThermalDrift
 from coast_cli.effects.tip_load import TipLoad
+from coast_cli.effects.tube_hysteresis import TubeHysteresis
 from coast_cli.effects.tube_superelasticity import TubeSuperelasticity
 from coast_cli.errors import BadInput
 
@@ -47,6 +48,7 @@ CATALOGUE: dict[str, type[Effect]] = {
         TipLoad,
         Gravity,
         TubeSuperelasticity,
+        TubeHysteresis,
         NotchClosure,
         SnapThrough,
         CoulombFriction,

@@ -22,7 +22,7 @@ Need = Literal[
     "stroke", "time", "release", "hold", "rates", "reversals", "pairs", "outer", "runs", "witness", "period", "load"
 ]
 Scale = Literal[
-    "", "curvature", "strain", "closure", "tension", "duration", "response", "stroke", "period", "compliance"
+    "", "curvature", "strain", "stress", "closure", "tension", "duration", "response", "stroke", "period", "compliance"
 ]
 STAGES: tuple[Stage, ...] = ("drive", "tendon", "transmission", "structure", "sensor")
 

@@ -119,6 +119,22 @@ def moment_curvature(
     return moment, centre
 
 
+def moment_after(
+    fibres: Fibres, law: Superelastic, peak: ArrayLike, curvature: ArrayLike, modulus: ArrayLike | None = None
+) -> tuple[FloatArray, FloatArray]:
+    """Return the moment (N m) at peaks, and after one monotone change from each of them to other curvatures.
+
+    Args:
+        peak: curvature reached from austenite, 1/m, shape (p,). curvature: shape (p, q); one section for all.
+        modulus: of the austenite, Pa, where it is not the law's.
+    """
+    own = law if modulus is None else law.with_modulus(float(np.asarray(modulus)))
+    peaks, kappa = np.asarray(peak, dtype=float)[:, None], np.asarray(curvature, dtype=float)
+    flat = _flat(fibres, (len(peaks),))
+    top, _, fraction = _balanced(flat, own, peaks, 0.0, _envelope(own, unloading=False))
+    return top[:, 0], _balanced(flat, own, kappa, 0.0, _after(own, fraction))[0]
+
+
 def moment_history(
     fibres: Fibres, law: Superelastic, curvature: ArrayLike, *, axial_force: float = 0.0
 ) -> tuple[FloatArray, FloatArray]:

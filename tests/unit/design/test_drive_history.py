@@ -26,6 +26,7 @@ HELD = {
     "tip_load": {},
     "gravity": {"share": 0.7},
     "tube_superelasticity": {},
+    "tube_hysteresis": {"upper_plateau_mpa": 60.0, "lower_plateau_mpa": 20.0, "stiffness_lost": 0.9},
     "notch_closure": {},
     "coulomb_friction": {"holds_per_m": 2.0},
 }

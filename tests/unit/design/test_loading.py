@@ -27,6 +27,7 @@ ACTING = {
     "tip_load": {},
     "gravity": {"share": 0.7},
     "tube_superelasticity": {},
+    "tube_hysteresis": {"upper_plateau_mpa": 100.0},
     "notch_closure": {},
     "snap_through": {"curvature_per_m": 20.0, "drop": 0.3},
     "coulomb_friction": {"holds_per_m": 2.0},

@@ -62,6 +62,7 @@ def _middle_of_range(effect: type[Effect]) -> Effect:
         "": 1.0,
         "curvature": 40.0,
         "strain": 0.004,
+        "stress": 170.0,
         "closure": 0.04,
         "tension": 1.6,
         "duration": 15.0,
