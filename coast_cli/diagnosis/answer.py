@@ -10,6 +10,7 @@ from coast_cli.diagnosis.locate import Region
 from coast_cli.effects.effect import Effect
 
 if TYPE_CHECKING:
+    from coast_cli.diagnosis.spread import Spread
     from coast_cli.spec.config import Config
 
 Verdict = Literal["agrees", "parameters", "physics", "sensor", "ambiguous", "unexplained", "insufficient"]
@@ -78,6 +79,7 @@ class Diagnosis:
         model_effects, model_parameters: the corrected model, for the model file.
         carried: of joint and shapes in one call, what the shapes say and what of it the joint was diagnosed with.
         model_tubes: numbers of its tubes by their keys there, one or one for each notch.
+        model_spread: how sure the numbers of the corrected model are; None where that is not known.
     """
 
     verdict: Verdict
@@ -97,6 +99,7 @@ class Diagnosis:
     model_parameters: Mapping[str, float] = field(default_factory=dict)
     model_tubes: Mapping[str, float | list[float]] = field(default_factory=dict)
     carried: Carried | None = None
+    model_spread: Spread | None = None
 
     def config_used(self, config: Config) -> Config:
         """Return the configuration that was diagnosed: as given, or corrected by what shapes taught."""

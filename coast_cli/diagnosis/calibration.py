@@ -14,6 +14,7 @@ import numpy as np
 
 from coast_cli.diagnosis.calibrate import Fitted, Parameter, Posed, calibratable, fit, pose, refit
 from coast_cli.diagnosis.errors import UNITS, to_unit
+from coast_cli.diagnosis.spread import Spread
 from coast_cli.errors import BadInput, nearest
 
 if TYPE_CHECKING:
@@ -70,6 +71,13 @@ class Calibration:
     held_out: Errors | None
     held_out_runs: tuple[str, ...]
     in_turn: bool
+
+    @property
+    def spread(self) -> Spread:
+        """How sure the fitted numbers of the whole are."""
+        estimates = self.whole.estimates
+        keys = tuple(estimate.parameter.key for estimate in estimates)
+        return Spread(keys, np.array([estimate.std for estimate in estimates]), self.whole.correlation)
 
     def rows(self) -> list[Row]:
         """Return a row a parameter for the whole, then for each part; the same names in each."""

@@ -15,7 +15,8 @@ from coast_cli.diagnosis.fit import Fit, fit
 from coast_cli.diagnosis.holdout import HoldOut, hold_out
 from coast_cli.diagnosis.locate import locate
 from coast_cli.diagnosis.loop import widest_loop
-from coast_cli.diagnosis.problem import Problem, build_problem
+from coast_cli.diagnosis.problem import CONFIG_KEYS, Problem, build_problem
+from coast_cli.diagnosis.spread import Spread, effect_keys, spread_of
 from coast_cli.diagnosis.structure import Structure, find_structure
 from coast_cli.effects.backlash import Backlash
 from coast_cli.effects.catalogue import CATALOGUE
@@ -160,6 +161,7 @@ class _Judge:
             notes=self._notes(),
             model_effects=() if unexplained else final.effects,
             model_parameters=problem.values(used.coordinates),
+            model_spread=_spread(problem, used),
         )
 
     def _verdict(self, *, unexplained: bool) -> Verdict:
@@ -415,3 +417,10 @@ def _base_values(problem: Problem, fitted: Fit) -> dict[str, Value]:
         std = value * spread if parameter.logarithmic else spread
         found[parameter.name] = Value(value, std, fitted.at_bound[place])
     return found
+
+
+def _spread(problem: Problem, fitted: Fit) -> Spread:
+    values = problem.values(fitted.coordinates)
+    keys = [CONFIG_KEYS[parameter.name] for parameter in problem.base] + effect_keys(fitted.effects)
+    scale = [values[parameter.name] if parameter.logarithmic else 1.0 for parameter in problem.base]
+    return spread_of(keys, [*scale, *[1.0] * (len(keys) - len(scale))], fitted.covariance)

@@ -13,6 +13,7 @@ from coast_cli.diagnosis.problem import CONFIG_KEYS
 if TYPE_CHECKING:
     from coast_cli.diagnosis.answer import Diagnosis
     from coast_cli.diagnosis.calibration import Calibration
+    from coast_cli.diagnosis.spread import Spread
     from coast_cli.effects.effect import Effect
     from coast_cli.recordings.model import Recordings
     from coast_cli.spec.config import Config
@@ -45,6 +46,7 @@ def model_text(config: Config, diagnosis: Diagnosis, recordings: Recordings, nam
     }
     if corrections:
         document["corrections"] = corrections
+    put_spread(document, diagnosis.model_spread)
     text = _comments(_origin(config, diagnosis, recordings)) + "\n" + tomli_w.dumps(document)
     load_config_text(text, name)
     return text
@@ -58,6 +60,7 @@ def calibrated_text(config: Config, calibration: Calibration, recordings: Record
     document = config.model_dump(exclude_unset=True)
     for estimate in calibration.whole.estimates:
         put_number(document, estimate.parameter.key, estimate.value)
+    put_spread(document, calibration.spread)
     lines = [
         f"Written by coast calibrate, version {__version__}.",
         f"Configuration {config.source or '<text>'}, sha256 {config_digest(config)}",
@@ -97,6 +100,24 @@ def put_number(document: dict[str, Any], key: str, value: float | list[float]) -
         table[last] = {**before, "value": min(max(value, before["min"]), before["max"])}
     else:
         table[last] = value
+
+
+def put_spread(document: dict[str, Any], spread: Spread | None) -> None:
+    """Replace the table of how sure the fitted numbers are; an earlier fit's goes, as its numbers have moved."""
+    table = None if spread is None else spread.table(lambda key: _has(document, key))
+    document.pop("fitted", None)
+    if table is not None:
+        document["fitted"] = table
+
+
+def _has(document: Mapping[str, Any], key: str) -> bool:
+    """Return whether a dotted key is in the document; a table of tables only, not of lists."""
+    place: Any = document
+    for part in key.split("."):
+        if not isinstance(place, Mapping) or part not in place:
+            return False
+        place = place[part]
+    return isinstance(place, float | int | Mapping)
 
 
 def _step(table: Any, part: str) -> Any:  # noqa: ANN401

@@ -218,6 +218,20 @@ class Rank(Document):
     )
 
 
+class Fitted(Document):
+    """How sure the numbers are that a calibration or a diagnosis fitted, as it wrote them."""
+
+    keys: tuple[Annotated[str, Field(max_length=200)], ...] = Field(
+        strict=False, min_length=1, max_length=200, description="dotted keys of the fitted numbers"
+    )
+    std: tuple[Annotated[float, Field(ge=0.0, le=1e9)], ...] = Field(
+        strict=False, description="standard deviation of each, in the unit of its key"
+    )
+    correlation: tuple[Annotated[tuple[Annotated[float, Field(ge=-1.0, le=1.0)], ...], Field(strict=False)], ...] = (
+        Field(strict=False, description="of each with each, a row a key")
+    )
+
+
 @dataclass(frozen=True)
 class Origin:
     """The file a configuration was read from, its text and the places of its keys."""
@@ -260,6 +274,8 @@ class Config(Document):
     corrections: dict[str, dict[str, float | str | list[float]]] = Field(
         default_factory=dict, description="effects that a diagnosis found, by id, with their fitted parameters"
     )
+
+    fitted: Fitted | None = Field(None, description="how sure fitted numbers are, as --save-model wrote it")
 
     _origin: Origin = PrivateAttr(default_factory=Origin)
 

@@ -9,6 +9,7 @@ from coast_cli.errors import BadInput, nearest
 from coast_cli.spec.config import FATIGUE_CYCLES, Config, Notch, RatioLimits, Sample, Stock
 from coast_cli.spec.positions import Path
 from coast_cli.spec.superelastic import check_superelastic
+from coast_cli.spec.values import Calibrated
 
 Role = Literal["outer", "middle"]
 MOST_NOTCHES = 2_000_000  # of all samples of a stock
@@ -62,6 +63,7 @@ def check_design(config: Config) -> None:
         pair_names(config, config.joint.pair)
     _check_limits(config)
     _check_corrections(config)
+    _check_fitted(config)
 
 
 def assembly_fault(config: Config, outer: BenchTube | None, middle: BenchTube) -> str | None:
@@ -250,6 +252,32 @@ def _check_limits(config: Config) -> None:
         message = "no amplitude is known for so many cycles"
         allowed = f"at most {FATIGUE_CYCLES}, or max_strain_amplitude of your own"
         raise config.refuse(("checks", "fatigue", "cycles"), message, found=fatigue.cycles, allowed=allowed)
+
+
+def _check_fitted(config: Config) -> None:
+    fitted = config.fitted
+    if fitted is None:
+        return
+    count = len(fitted.keys)
+    if len(fitted.std) != count:
+        raise config.refuse(("fitted", "std"), "not one for each key", found=len(fitted.std), allowed=str(count))
+    if len(fitted.correlation) != count or any(len(row) != count for row in fitted.correlation):
+        raise config.refuse(
+            ("fitted", "correlation"), "not one for each key with each", allowed=f"{count} rows of {count}"
+        )
+    for key in fitted.keys:
+        if not _is_number(config, key):
+            raise config.refuse(("fitted", "keys"), "there is no such number in this file", found=key)
+
+
+def _is_number(config: Config, key: str) -> bool:
+    """Return whether a dotted key leads to a number of the document."""
+    place: Any = config
+    for part in key.split("."):
+        place = place.get(part) if isinstance(place, dict) else getattr(place, part, None) if part[:1] != "_" else None
+        if place is None:
+            return False
+    return isinstance(place, float | int | Calibrated) and not isinstance(place, bool)
 
 
 def _check_corrections(config: Config) -> None:
