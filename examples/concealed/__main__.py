@@ -1,10 +1,23 @@
-"""`python -m examples.concealed make|run|score|all`: see README.md."""
+"""`python -m examples.concealed laws|make|run|score|all|table|drift`: see README.md."""
 
 from __future__ import annotations
 
 import argparse
+import shlex
 import sys
 from pathlib import Path
+
+from examples.concealed.seal import Job
+
+STEPS = {
+    "laws": "print the laws that leave the catalogue, their near twins and the digest that freezes them",
+    "make": "write recordings and seal the truth",
+    "run": "let coast diagnose every case",
+    "score": "digest the answers, open the seal, print the table",
+    "all": "make, run, score",
+    "table": "print the figures of the kept answers",
+    "drift": "ask some of the kept cases again and write by how much the answers have moved",
+}
 
 
 def _seeds(text: str) -> range:
@@ -18,58 +31,122 @@ def parser() -> argparse.ArgumentParser:
         prog="python -m examples.concealed", description="Recordings with something left out: make, run, score."
     )
     steps = top.add_subparsers(dest="step", required=True)
-    for name, text in (
-        ("make", "write recordings and seal the truth"),
-        ("run", "let coast diagnose every case"),
-        ("score", "open the seal and print the table"),
-        ("all", "make, run, score"),
-    ):
+    for name, text in STEPS.items():
         step = steps.add_parser(name, help=text)
-        step.add_argument("--out", type=Path, required=True, help="folder of the cases, answers and table")
-        step.add_argument("--jobs", type=int, default=2)
-        if name in ("make", "all"):
+        if name != "laws":
+            step.add_argument("--jobs", type=int, default=2, help="processes on this machine")
+        if name in ("make", "run", "score", "all"):
+            step.add_argument("--out", type=Path, required=True, help="folder of the cases, answers and table")
+        if name in ("make", "run", "all"):
+            step.add_argument(
+                "--cluster", metavar="ADDRESS", help="dask scheduler (tcp://host:port) instead of processes"
+            )
+        if name in ("make", "score", "all"):
+            # The seal's key is made of these words: score is given the same as make.
             step.add_argument("--seeds", type=_seeds, required=True, help="FIRST:LAST, the last not included")
-            step.add_argument("--level", action="append", help="only these levels (repeat)")
+            step.add_argument("--level", action="append", help="only these levels, in turn (repeat)")
             step.add_argument("--effect", help="only this effect")
             step.add_argument("--shapes", action="store_true", help="shapes instead of joint recordings")
+        if name in ("run", "all"):
+            step.add_argument("--label", help="keep these answers as answers-LABEL: another answer on the same cases")
+            step.add_argument("--further", default="", help='further words for coast diagnose, as "--max-effects 1"')
         if name in ("score", "all"):
             step.add_argument("--baselines", type=int, default=0, help="also run the other answers on this many cases")
-            step.add_argument("--plots", action="store_true", help="confusion matrix and reliability as pictures")
-            step.add_argument("--sha256", help="the seal printed by make")
-    steps.add_parser(
-        "laws", help="print the laws that leave the catalogue, the near twins and the digest that freezes them"
-    )
+            step.add_argument("--plots", action="store_true", help="draw the pictures beside the table")
+            step.add_argument("--details", action="store_true", help="print what was said of what, and the worst cases")
+            step.add_argument("--sha256", help="the digest of the truths printed by make")
+            step.add_argument("--keep", action="store_true", help="keep the judgements in tests/concealed")
+        if name == "table":
+            step.add_argument("--details", action="store_true", help="print what was said of what, and the worst cases")
+            step.add_argument(
+                "--into", type=Path, action="append", default=[], help="also put the table into this page"
+            )
+            step.add_argument("--plots", type=Path, help="also draw the pictures into this folder")
+        if name == "drift":
+            step.add_argument("--cases", type=int, default=150)
     return top
 
 
+def asked(given: argparse.Namespace) -> list[Job]:
+    """Return the cases that the words of a command ask for."""
+    levels = given.level or [None]
+    kind = "shape" if given.shapes else "joint"
+    return [(kind, seed, levels[i % len(levels)], given.effect) for i, seed in enumerate(given.seeds)]
+
+
 def main(arguments: list[str] | None = None) -> int:
-    """Run one step; the table goes to stdout, the rest to stderr."""
+    """Run one step; data go to stdout, the rest to stderr."""
     given = parser().parse_args(arguments)
-    if given.step == "laws":
-        from examples.concealed.laws import listing
-
-        sys.stdout.write(listing())
+    step = {"laws": _laws, "table": _table, "drift": _drift}.get(given.step)
+    if step:
+        step(given)
         return 0
-    digest = getattr(given, "sha256", None)
     if given.step in ("make", "all"):
-        from examples.concealed.seal import build_all, write
-
-        kind = "shape" if given.shapes else "joint"
-        levels = given.level or [None]
-        jobs = [(kind, seed, levels[i % len(levels)], given.effect) for i, seed in enumerate(given.seeds)]
-        digest = write(given.out, build_all(jobs, given.jobs))
-        sys.stderr.write(f"sealed {len(jobs)} truths, SHA-256 {digest}\n")
+        _make(given)
     if given.step in ("run", "all"):
-        from examples.concealed.runner import run
-
-        run(given.out, given.jobs)
+        _run(given)
     if given.step in ("score", "all"):
-        from examples.concealed.scorer import score
-
-        sys.stdout.write(
-            score(given.out, digest=digest, baselines=given.baselines, plots=given.plots, jobs=given.jobs).table()
-        )
+        _score(given)
     return 0
+
+
+def _laws(_given: argparse.Namespace) -> None:
+    from examples.concealed.laws import listing
+
+    sys.stdout.write(listing())
+
+
+def _make(given: argparse.Namespace) -> None:
+    from examples.concealed.seal import build, key_of, write
+    from examples.concealed.work import spread
+
+    jobs = asked(given)
+    digest = write(given.out, spread(build, jobs, given.jobs, given.cluster), key_of(jobs))
+    sys.stderr.write(f"sealed {len(jobs)} truths, SHA-256 {digest}\n")
+
+
+def _run(given: argparse.Namespace) -> None:
+    from examples.concealed.runner import run
+
+    run(given.out, given.jobs, given.cluster, tuple(shlex.split(given.further)), given.label)
+
+
+def _score(given: argparse.Namespace) -> None:
+    from examples.concealed.keep import keep
+    from examples.concealed.report import details, table
+    from examples.concealed.scorer import score
+    from examples.concealed.seal import key_of, open_seal
+
+    open_seal(given.out, key_of(asked(given)))
+    scores = score(given.out, digest=given.sha256, baselines=given.baselines, jobs=given.jobs)
+    sys.stdout.write(table(scores) + (f"\n{details(scores)}" if given.details else ""))
+    if given.plots:
+        from examples.concealed.pictures import draw_all
+
+        draw_all(scores, given.out / "pictures")
+    if given.keep:
+        keep(scores)
+
+
+def _table(given: argparse.Namespace) -> None:
+    from examples.concealed.keep import kept, page, put
+    from examples.concealed.report import details
+
+    text = page()
+    sys.stdout.write(text + (f"\n{details(kept())}" if given.details else ""))
+    for path in given.into:
+        put(text, path)
+    if given.plots:
+        from examples.concealed.pictures import draw_all
+
+        draw_all(kept(), given.plots)
+
+
+def _drift(given: argparse.Namespace) -> None:
+    from examples.concealed.keep import measure_drift, relation
+
+    measure_drift(given.cases, given.jobs)
+    sys.stdout.write(relation() + "\n")
 
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ would be worth.
 from __future__ import annotations
 
 import csv
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,9 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from examples.concealed.draw import draw_world
+from examples.concealed.figures import TRUE_FORM
 from examples.concealed.laws import RECIPES
 from examples.concealed.lumped import FORMS, Data, fit_form
-from examples.concealed.refit import SCALE, START, Rows, free_parameters
+from examples.concealed.refit import START, Rows, free_parameters, trial_joint
 from examples.concealed.world import World, play_protocol
 
 Array = NDArray[np.float64]
@@ -27,28 +28,24 @@ Array = NDArray[np.float64]
 # Parameters of the true form that a user would have to find, besides its amplitude.
 SECOND = {
     "tendon_superelasticity": "knee_tension_n",
-    "tube_superelasticity": "knee_curvature_per_m",
+    "tube_superelasticity": "knee_strain",
+    "tube_hysteresis": "lower_plateau",
+    "viscous_friction": "knee_mm_per_s",
     "notch_closure": "contact_curvature_per_m",
     "tendon_creep": "time_constant_s",
     "tendon_permanent_set": "threshold_n",
-    "thermal_drift": "time_constant_s",
+    "thermal_drift": "housing_s",
     "leadscrew_pitch_error": "phase_rad",
     "snap_through": "release_tension_n",
-    "room_temperature_cycle": "period_s",
+    "drive_speed_slip": "knee_mm_per_s",
+    "stribeck_sheath": "knee_mm_per_s",
+    "drying_sheath": "exponent",
+    "eccentric_pulley": "phase_rad",
+    "jacket_relaxation": "time_constant_s",
+    "jacket_softening": "scale_per_m",
+    "stiffness_along": "at_mm",
+    "periodic_disturbance": "period_s",
 }
-
-
-@dataclass(frozen=True)
-class Other:
-    """Errors on held-out rows against the recording and against the noiseless truth; what was named.
-
-    Where something is.
-    """
-
-    name: str
-    recorded: float
-    noiseless: float
-    named: str | None = None
 
 
 def read_recording(case: Path) -> dict[str, dict[str, Array]]:
@@ -89,29 +86,60 @@ def load(case: Path, truth: dict[str, Any], held_out: list[str]) -> tuple[World,
     return world, Data(rows, time, response.mean(axis=1), train), response, exact
 
 
-def others(case: Path, truth: dict[str, Any], held_out: list[str]) -> list[Other]:
-    """All other answers on one joint case with held-out runs."""
+def others(case: Path, truth: dict[str, Any], held_out: list[str]) -> dict[str, dict[str, Any]]:
+    """Return all other answers on one joint case with held-out runs: what they say, as an answer's JSON would, and errors."""
     world, data, response, exact = load(case, truth, held_out)
     test = ~data.train
 
-    def error(name: str, fitted: Array, named: str | None = None) -> Other:
+    def answer(
+        fitted: Array, verdict: str, name: str | None = None, law: dict[str, Any] | None = None
+    ) -> dict[str, Any]:
         shaped = fitted if fitted.ndim == 2 else fitted[:, None]
         off = (shaped - response)[test]
-        return Other(
-            name, float(np.sqrt(np.nanmean(off**2))), float(np.sqrt(np.mean((shaped - exact)[test] ** 2))), named
-        )
+        effect = {} if name is None else {"id": name, "kind": RECIPES[name].kind, "component": RECIPES[name].component}
+        return {
+            "diagnosis": {"verdict": verdict, "effects": [effect] if effect else [], "unnamed": law},
+            "figures": {
+                "recorded": float(np.sqrt(np.nanmean(off**2))),
+                "noiseless": float(np.sqrt(np.mean((shaped - exact)[test] ** 2))),
+            },
+        }
 
     base = fit_form(None, data)
     forms = [base, *(fit_form(form, data) for form in FORMS)]
     rows = int(np.sum(data.train & np.isfinite(data.target)))
-    best = min(forms, key=lambda fit: rows * np.log(max(fit.rss, 1e-12) / rows) + fit.parameters * np.log(rows))
-    return [
-        error("no correction", base.fitted),
-        error("true form refitted", true_form(world, data, response, truth)),
-        error("i.i.d. BIC", best.fitted, best.name),
-        error("Gaussian process", base.fitted + gaussian_process(data, base.fitted)),
-        error("sparse regression", base.fitted + sparse(data, base.fitted)),
-    ]
+
+    def bic(rss: float, parameters: int) -> float:
+        return rows * np.log(max(rss, 1e-12) / rows) + parameters * np.log(rows)
+
+    best = min(forms, key=lambda fit: bic(fit.rss, fit.parameters))
+    found = None if best.name == "none" else best.name
+    process, terms = gaussian_process(data, base.fitted), sparse(data, base.fitted)
+    true = truth["effects"][0]["id"] if truth["level"] not in ("L6", "L8") and truth["effects"] else None
+    told = {"L0": "agrees", "LP": "parameters", "L6": "unexplained", "L8": "unexplained"}.get(truth["level"], "physics")
+    return {
+        "no correction": answer(base.fitted, "agrees"),
+        TRUE_FORM: answer(true_form(world, data, response, truth), told) | _named(true, truth),
+        "i.i.d. BIC": answer(best.fitted, RECIPES[found].kind if found else "agrees", found),
+        "Gaussian process": answer(
+            base.fitted + process, "unnamed" if np.any(process) else "agrees", law=RESIDUAL if np.any(process) else None
+        ),
+        "sparse regression": answer(
+            base.fitted + terms, "unnamed" if np.any(terms) else "agrees", law=RESIDUAL if np.any(terms) else None
+        ),
+    }
+
+
+# What a correction of the residual says of the law: something is added to the response, and no more.
+RESIDUAL = {"stages": ["sensor"], "variables": [], "memory": None, "rate": None}
+
+
+def _named(true: str | None, truth: dict[str, Any]) -> dict[str, Any]:
+    """Return the answer of one who is told what was concealed, where it has a name."""
+    if true is None:
+        return {}
+    effects = [{key: effect[key] for key in ("id", "kind", "component")} for effect in truth["effects"]]
+    return {"diagnosis": {"verdict": effects[0]["kind"], "effects": effects, "where": truth["where"][:1]}}
 
 
 def true_form(world: World, data: Data, response: Array, truth: dict[str, Any]) -> Array:
@@ -120,9 +148,9 @@ def true_form(world: World, data: Data, response: Array, truth: dict[str, Any]) 
 
     free = free_parameters(data.rows)
     knobs = [
-        (effect["id"], key)
+        (effect["law"], key)
         for effect in truth["effects"]
-        for key in (RECIPES[effect["id"]].amplitude, SECOND.get(effect["id"]))
+        for key in (RECIPES[effect["law"]].amplitude, SECOND.get(effect["law"]))
         if key
     ]
     start = np.array([float(world.effects[name][key]) for name, key in knobs])  # type: ignore[arg-type]
@@ -131,17 +159,8 @@ def true_form(world: World, data: Data, response: Array, truth: dict[str, Any]) 
         base = START.copy()
         # Unknowns stand around one, so that a relative difference step is a step.
         base[free] = x[: free.size] - 1
-        stiffness, eta, deadband = base * SCALE
-        joint = world.actual.joint
-        actual = replace(
-            world.actual,
-            joint=replace(
-                joint,
-                youngs_modulus=joint.youngs_modulus * np.exp(stiffness),
-                notch_friction=joint.notch_friction + eta,
-                deadband=max(joint.deadband + deadband, 0.0),
-            ),
-        )
+        actual = replace(world.actual, joint=trial_joint(world.actual.joint, base))
+        actual = replace(actual, joint=replace(actual.joint, deadband=max(actual.joint.deadband, 0.0)))
         effects = {name: dict(values) for name, values in world.effects.items()}
         for (name, key), value, nominal in zip(knobs, x[free.size :], start, strict=True):
             effects[name][key] = nominal * value
@@ -188,7 +207,8 @@ def gaussian_process(data: Data, base: Array) -> Array:
     def kernel(a: Array, b: Array, width: float) -> Array:
         return np.exp(-0.5 * ((a[:, None] - b[None]) ** 2).sum(axis=2) / width**2)
 
-    best, answer = np.inf, np.zeros_like(base)
+    # White noise alone is the rival: without it a process would be found in every recording.
+    best, answer = 0.5 * chosen.size * np.log(max(float(np.mean((seen / size) ** 2)), 1e-12)) - 3.0, np.zeros_like(base)
     for width in (0.15, 0.3, 0.6, 1.2):
         for noise in (0.1, 0.3, 0.7, 1.0):
             gram = kernel(features[chosen], features[chosen], width) + (noise**2 + 1e-8) * np.eye(chosen.size)

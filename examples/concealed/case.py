@@ -20,7 +20,7 @@ from examples.concealed.draw import draw_world
 from examples.concealed.faults import doubled_rows
 from examples.concealed.laws import BENCH_NAMES, NEAR_TWINS, OUTSIDE, RECIPES, TWINS
 from examples.concealed.protocol import REQUESTS, RunPlan, requested_protocol
-from examples.concealed.refit import refit
+from examples.concealed.refit import base_response, refit
 from examples.concealed.world import Array, Played, World, play_protocol
 
 
@@ -77,12 +77,23 @@ def record(world: World, seed: int, level: str, names: list[str], sizes: Mapping
             name: np.round(truth[copies][played.rows.run[copies] == i], 6).tolist() for i, name in enumerate(runs)
         },
     }
+    sealed["base_held_out"] = base_held_out(played, world.held_out)
     held_out = () if world.held_out is None else (runs[world.held_out],)
     laboratory = {}
     if level == "L2":
         for number, request in enumerate(REQUESTS):
             laboratory[request] = further_recording(world, request, number)
     return Case(config_text(world.robot), files, sealed, held_out, laboratory, without(level, names, world.twins))
+
+
+def base_held_out(played: Played, held_out: int | None) -> float | None:
+    """Return the error (RMS, the recording's unit) of the base model, fitted to the other runs, on the noiseless held-out one."""
+    if held_out is None:
+        return None
+    test = played.rows.run == held_out
+    best, _ = refit(played.rows.subset(~test), played.response[~test])
+    left = played.response[test] - base_response(played.rows.subset(test), best)[:, None]
+    return float(np.sqrt(np.mean(left**2)))
 
 
 def without(level: str, names: list[str], rivals: tuple[str, ...]) -> tuple[str, ...]:

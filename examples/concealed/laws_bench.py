@@ -106,7 +106,7 @@ BENCH: dict[str, Recipe] = {
         "load cell",
         "sensor",
         lambda p: p.has_tension,
-        lambda g, _c: {"scale": 1 + sign(g) * g.uniform(0.06, 0.25), "bow": g.uniform(-0.03, 0.03)},
+        lambda g, _c: {"scale": 1 + sign(g) * g.uniform(0.06, 0.25), "bow": g.uniform(-0.01, 0.01)},
         "scale",
         (0.6, 1.5),
         Nature(("load cell",), (("tension",),), memory=False, rate=False, dissipative=None),

@@ -338,7 +338,7 @@ SENSORS: dict[str, Recipe] = {
         lambda p: p.response == "curvature" and p.lengths >= 3,
         lambda g, c: {
             "scale": 1 + sign(g) * g.uniform(0.1, 0.35),
-            "perspective": g.uniform(-0.04, 0.04),
+            "perspective": g.uniform(-0.004, 0.004),
             "full": c.curvature,
         },
         "scale",

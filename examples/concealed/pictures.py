@@ -1,78 +1,136 @@
-"""Two pictures of a scored run: which effect was taken for which, and whether a confidence means what it says."""
+"""Pictures of a scored run: what was taken for what, whether probabilities hold, error against noise, leave-one-out."""
 
 from __future__ import annotations
 
-from itertools import pairwise
+from collections import Counter
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from examples.concealed.figures import Scores, calibration_error, reliability
 from examples.concealed.judge import Judgement
+from examples.concealed.points import CLEAN
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
-def confusion_picture(judgements: list[Judgement], path: Path) -> None:
-    """Rows: what was concealed (L1, L5, L6, clean); columns: what was named first, or the verdict where nothing was."""
+def draw_all(scores: Scores, folder: Path) -> list[Path]:
+    """Write all pictures as PNG and return their paths."""
     import matplotlib as mpl
 
     mpl.use("Agg")
     from matplotlib import pyplot as plt
 
-    pairs = [
-        (
-            j.truth[0] if j.truth else "(clean)",
-            j.named[0] if j.named and j.said_class in ("physics", "sensor") else f"[{j.verdict}]",
-        )
-        for j in judgements
-        if j.level in ("L0", "LP", "L1", "L5", "L6")
-    ]
+    folder.mkdir(parents=True, exist_ok=True)
+    drawn = []
+    for name, draw in (
+        ("confusion", confusion),
+        ("reliability", calibration),
+        ("error_against_noise", error_against_noise),
+        ("leave_one_out", leave_one_out),
+    ):
+        figure = draw(scores.judgements)
+        drawn.append(folder / f"{name}.png")
+        figure.savefig(drawn[-1], dpi=110, metadata={"Software": None})
+        plt.close(figure)
+    return drawn
+
+
+def _said(j: Judgement) -> str:
+    if j.said_class in ("physics", "sensor") and j.named:
+        return j.named[0]
+    return {"unknown": "something else", "failed": "(no answer)"}.get(j.said_class, f"({j.verdict})")
+
+
+def _concealed(j: Judgement) -> str:
+    return "(clean)" if j.level in CLEAN else "something else" if j.level in ("L6", "L8") else j.truth[0]
+
+
+def confusion(judged: list[Judgement]) -> Figure:
+    """Rows: what was concealed; columns: what was named first, or the verdict where nothing was."""
+    from matplotlib import pyplot as plt
+
+    pairs = Counter((_concealed(j), _said(j)) for j in judged if j.level not in ("L2", "L3"))
     rows, columns = sorted({a for a, _ in pairs}), sorted({b for _, b in pairs})
-    counts = np.zeros((len(rows), len(columns)))
-    for a, b in pairs:
-        counts[rows.index(a), columns.index(b)] += 1
-    share = counts / counts.sum(axis=1, keepdims=True)
-    figure, axes = plt.subplots(figsize=(2 + 0.42 * len(columns), 2 + 0.32 * len(rows)), layout="constrained")
+    counts = np.array([[pairs[a, b] for b in columns] for a in rows], float).reshape(len(rows), len(columns))
+    share = counts / np.maximum(counts.sum(axis=1, keepdims=True), 1)
+    size = (3 + 0.34 * len(columns), 2.4 + 0.26 * len(rows))
+    figure, axes = plt.subplots(figsize=size, layout="constrained")
     axes.imshow(share, cmap="Blues", vmin=0, vmax=1, aspect="auto")
     for (i, k), count in np.ndenumerate(counts):
         if count:
-            axes.text(
-                k,
-                i,
-                f"{count:.0f}",
-                ha="center",
-                va="center",
-                fontsize=7,
-                color="white" if share[i, k] > 0.6 else "black",
-            )
+            colour = "white" if share[i, k] > 0.6 else "black"
+            axes.text(k, i, f"{count:.0f}", ha="center", va="center", fontsize=7, color=colour)
     axes.set_xticks(range(len(columns)), columns, rotation=90, fontsize=8)
     axes.set_yticks(range(len(rows)), rows, fontsize=8)
     axes.set_xlabel("said")
     axes.set_ylabel("concealed")
-    figure.savefig(path, dpi=110, metadata={"Software": None})
-    plt.close(figure)
+    return figure
 
 
-def reliability_picture(judgements: list[Judgement], path: Path) -> None:
-    """Share of right first names against the confidence that was stated, with the number of cases in each bin."""
-    import matplotlib as mpl
-
-    mpl.use("Agg")
+def calibration(judged: list[Judgement]) -> Figure:
+    """Share that came true against the probability stated, in ten bins, with the number in each."""
     from matplotlib import pyplot as plt
 
-    said = [
-        (j.confidence, bool(j.truth) and bool(j.named) and j.named[0] in j.truth)
-        for j in judgements
-        if j.confidence is not None and j.named
-    ]
-    figure, axes = plt.subplots(figsize=(4.5, 4.2), layout="constrained")
+    figure, axes = plt.subplots(figsize=(4.6, 4.4), layout="constrained")
     axes.plot([0, 1], [0, 1], color="0.6", linewidth=1)
-    edges = np.array([0, 0.5, 0.7, 0.8, 0.9, 0.95, 0.99, 1.0001])
-    for low, high in pairwise(edges):
-        inside = [(c, right) for c, right in said if low <= c < high]
-        if inside:
-            at, share = float(np.mean([c for c, _ in inside])), float(np.mean([right for _, right in inside]))
-            axes.plot(at, share, "o", color="tab:blue")
-            axes.annotate(str(len(inside)), (at, share), textcoords="offset points", xytext=(5, -10), fontsize=8)
-    axes.set_xlabel("confidence stated")
-    axes.set_ylabel("share right")
-    figure.savefig(path, dpi=110, metadata={"Software": None})
-    plt.close(figure)
+    bins = reliability(judged)
+    axes.plot([said for said, _, _ in bins], [came for _, came, _ in bins], "o-", color="tab:blue")
+    for said, came, count in bins:
+        axes.annotate(str(count), (said, came), textcoords="offset points", xytext=(6, -11), fontsize=8)
+    axes.set_title(f"expected calibration error {calibration_error(judged):.3f}", fontsize=10)
+    axes.set_xlabel("probability stated, something else included")
+    axes.set_ylabel("share that came true")
+    axes.set_xlim(0, 1)
+    axes.set_ylim(0, 1.02)
+    return figure
+
+
+def error_against_noise(judged: list[Judgement]) -> Figure:
+    """Error on the held-out run against the noiseless truth, over the noise, by what was concealed."""
+    from matplotlib import pyplot as plt
+
+    figure, axes = plt.subplots(figsize=(5.6, 4.2), layout="constrained")
+    for label, levels, colour in (
+        ("clean", CLEAN, "tab:green"),
+        ("in the catalogue", ("L1", "L2", "L3", "L4", "L5"), "tab:blue"),
+        ("outside it", ("L6", "L8"), "tab:red"),
+        ("bench fault", ("L9",), "tab:orange"),
+    ):
+        mine = [j for j in judged if j.level in levels and j.figures.get("noiseless") and j.kind == "joint"]
+        axes.plot(
+            [j.sigma for j in mine], [j.figures["noiseless"] for j in mine], ".", color=colour, label=label, alpha=0.7
+        )
+    axes.axline((0.1, 0.1), slope=1, color="0.6", linewidth=1)
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.set_xlabel("noise (1/m or degrees)")
+    axes.set_ylabel("error on unseen rows, noiseless (same unit)")
+    axes.legend(fontsize=8)
+    return figure
+
+
+def leave_one_out(judged: list[Judgement]) -> Figure:
+    """Of each effect concealed from the catalogue: described, no name, agreement, a wrong name."""
+    from matplotlib import pyplot as plt
+
+    mine = [j for j in judged if j.level == "L8"]
+    laws = sorted({j.laws[0] for j in mine}, reverse=True)
+    parts = (
+        ("stage, variable, memory and rate right", "tab:green", lambda j: bool(j.described)),
+        ("no name", "tab:blue", lambda j: not j.described and j.said_class in ("unknown", "undecided")),
+        ("agrees", "tab:orange", lambda j: j.said_class in ("none", "parameter", "failed")),
+        ("a wrong name", "tab:red", lambda j: j.said_class in ("physics", "sensor")),
+    )
+    figure, axes = plt.subplots(figsize=(6.4, 1.6 + 0.24 * max(len(laws), 1)), layout="constrained")
+    left = np.zeros(len(laws))
+    for label, colour, holds in parts:
+        width = np.array([sum(holds(j) for j in mine if j.laws[0] == law) for law in laws], float)
+        axes.barh(laws, width, left=left, color=colour, label=label)
+        left += width
+    axes.set_xlabel("cases")
+    axes.tick_params(labelsize=8)
+    axes.legend(fontsize=7, loc="upper center", bbox_to_anchor=(0.4, 1.0 + 0.9 / max(len(laws), 6)), ncols=2)
+    return figure

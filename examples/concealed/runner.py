@@ -1,10 +1,8 @@
-"""Let `coast diagnose` answer every case, two at a time, in processes of their own.
+"""Let `coast diagnose` answer every case, each in a process of its own.
 
-What is answered is not asked again.
-
-An answer is written whole or not at all, so the run may be stopped anywhere. Where a laboratory shelf lies beside a
-case and the first answer proposes a next recording, the proposal is read for what it asks, that recording is added,
-and the case is asked once more.
+What is answered is not asked again. An answer is written whole or not at all, so the run may be stopped anywhere.
+Where a laboratory shelf lies beside a case and the first answer proposes a next recording, the proposal is read for
+what it asks, that recording is added, and the case is asked once more.
 """
 
 from __future__ import annotations
@@ -15,15 +13,39 @@ import re
 import subprocess
 import sys
 import time
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from examples.concealed.protocol import REQUESTS
+from examples.concealed.seal import KEY, BrokenSealError
+from examples.concealed.work import spread
 
 ROOT = Path(__file__).resolve().parents[2]
 PATIENCE_S = 600
 ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
+
+
+@dataclass(frozen=True)
+class Question:
+    """One case to answer: its folder, runs to hold out, names to conceal, further words for `coast diagnose`."""
+
+    out: Path
+    case: Path
+    held_out: tuple[str, ...] = ()
+    without: tuple[str, ...] = ()
+    further: tuple[str, ...] = ()
+    folder: str = "answers"
+
+    @property
+    def target(self) -> Path:
+        """Where the answer goes."""
+        return self.out / self.folder / f"{self.case.name}.json"
+
+    @property
+    def model(self) -> Path:
+        """Where the saved model goes."""
+        return self.out / self.folder / f"{self.case.name}.model.toml"
 
 
 def coast(*arguments: str) -> tuple[int, str, str]:
@@ -40,71 +62,75 @@ def coast(*arguments: str) -> tuple[int, str, str]:
     return done.returncode, done.stdout, done.stderr
 
 
-def run(out: Path, jobs: int = 2) -> int:
-    """Answer what is not answered yet; returns how many cases were asked."""
+def questions(out: Path, further: tuple[str, ...] = (), folder: str = "answers") -> list[Question]:
+    """Return all cases of a folder, in the order of their names."""
+    held_out, without = (
+        json.loads((out / name).read_text(encoding="utf-8")) for name in ("held_out.json", "without.json")
+    )
     cases = sorted(path for path in (out / "cases").iterdir() if path.is_dir())
-    held_out = json.loads((out / "held_out.json").read_text(encoding="utf-8"))
-    without = json.loads((out / "without.json").read_text(encoding="utf-8"))
-    answers = out / "answers"
-    answers.mkdir(exist_ok=True)
-    waiting = [case for case in cases if not _answered(answers / f"{case.name}.json")]
-    sys.stderr.write(f"{len(cases) - len(waiting)} of {len(cases)} answered already\n")
-    pool = ThreadPoolExecutor(max(jobs, 1))
-    try:
-        futures = [
-            pool.submit(answer, out, case, held_out.get(case.name, []), without.get(case.name, [])) for case in waiting
-        ]
-        for count, future in enumerate(as_completed(futures), 1):
-            future.result()
-            if count % 20 == 0 or count == len(waiting):
-                sys.stderr.write(f"{count} of {len(waiting)}\n")
-    except KeyboardInterrupt:
-        sys.stderr.write("stopping; the same command goes on from here\n")
-        pool.shutdown(wait=True, cancel_futures=True)
-        raise
-    pool.shutdown()
+    return [
+        Question(out, case, tuple(held_out.get(case.name, ())), tuple(without.get(case.name, ())), further, folder)
+        for case in cases
+    ]
+
+
+def run(
+    out: Path,
+    jobs: int = 2,
+    cluster: str | None = None,
+    further: tuple[str, ...] = (),
+    label: str | None = None,
+) -> int:
+    """Answer what is not answered yet; returns how many cases were asked. Refused once the seal is open.
+
+    With a `label` the answers, given with `further` words, stand beside ours as those of another answer.
+    """
+    folder = f"answers-{label}" if label else "answers"
+    every = questions(out, further, folder)
+    (out / folder).mkdir(exist_ok=True)
+    waiting = [question for question in every if not answered(question.target)]
+    sys.stderr.write(f"{len(every) - len(waiting)} of {len(every)} answered already\n")
+    if waiting and (out / KEY).exists():
+        raise BrokenSealError(f"{out / KEY} is there: what is answered now has seen the truths")
+    for count, _ in enumerate(spread(answer, waiting, jobs, cluster), 1):
+        if count % 20 == 0 or count == len(waiting):
+            sys.stderr.write(f"{count} of {len(waiting)}\n")
     return len(waiting)
 
 
-def _answered(path: Path) -> bool:
+def answered(path: Path) -> bool:
     """Return whether a case has its answer: one that ended without is asked again."""
     return path.exists() and json.loads(path.read_text(encoding="utf-8"))["diagnosis"] is not None
 
 
-def answer(out: Path, case: Path, held_out: list[str], without: list[str]) -> None:
-    """Ask once, and once more with the recording that the first answer proposed.
-
-    Where there is a shelf to take it from.
-    """
-    first = ask(case, sorted(case.glob("*.csv")), held_out, out / "answers" / f"{case.name}.model.toml", without)
-    shelf = out / "laboratory" / case.name
+def answer(question: Question) -> None:
+    """Ask once, and once more with the recording that the first answer proposed, where there is a shelf to take it from."""
+    recordings = sorted(question.case.glob("*.csv"))
+    first = ask(question, recordings, question.model)
+    shelf = question.out / "laboratory" / question.case.name
     if shelf.is_dir() and first["diagnosis"]:
         asked = requests(str(first["diagnosis"].get("next_recording") or ""))
         first["requested"] = asked
         if asked:
             # One proposed recording holds all the runs its words ask for.
-            more = [shelf / f"{request}.csv" for request in asked]
-            first["second"] = ask(case, [*sorted(case.glob("*.csv")), *more], held_out, None, without)
-    target = out / "answers" / f"{case.name}.json"
-    partial = target.with_suffix(".partial")
+            first["second"] = ask(question, [*recordings, *(shelf / f"{request}.csv" for request in asked)], None)
+    partial = question.target.with_suffix(".partial")
     partial.write_text(json.dumps(first, sort_keys=True), encoding="utf-8")
-    partial.replace(target)
+    partial.replace(question.target)
 
 
-def ask(
-    case: Path, recordings: list[Path], held_out: list[str], model: Path | None, without: list[str]
-) -> dict[str, Any]:
+def ask(question: Question, recordings: list[Path], model: Path | None) -> dict[str, Any]:
     """Call `coast diagnose` once: exit code, seconds, held-out runs, answer (or none) and the end of stderr."""
-    arguments = ["diagnose", str(case / "tubes.toml"), *map(str, recordings), "--format", "json"]
-    for name in held_out:
+    arguments = ["diagnose", str(question.case / "tubes.toml"), *map(str, recordings), "--format", "json"]
+    for name in question.held_out:
         arguments += ["--hold-out", name]
-    if without:
-        arguments += ["--without", ",".join(without)]
+    if question.without:
+        arguments += ["--without", ",".join(question.without)]
     if model is not None:
         arguments += ["--save-model", str(model)]
     begin = time.perf_counter()
     try:
-        code, stdout, stderr = coast(*arguments)
+        code, stdout, stderr = coast(*arguments, *question.further)
     except subprocess.TimeoutExpired:
         code, stdout, stderr = -1, "", "timed out"
     try:
@@ -118,7 +144,7 @@ def ask(
     return {
         "exit": code,
         "seconds": round(time.perf_counter() - begin, 3),
-        "held_out": held_out,
+        "held_out": list(question.held_out),
         "diagnosis": diagnosis,
         "stderr": stderr[-600:],
     }

@@ -8,7 +8,7 @@ from pathlib import Path
 import examples.concealed
 
 PACKAGE = Path(examples.concealed.__file__).parent
-ALLOWED = {"numpy", "scipy", "matplotlib", "examples"}
+ALLOWED = {"numpy", "scipy", "matplotlib", "cryptography", "distributed", "examples"}
 
 
 def imported(path: Path) -> set[str]:

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import pytest
 
-from examples.concealed.scorer import Scores, pilot
+from examples.concealed.figures import Scores
+from examples.concealed.scorer import pilot
 
 SEEDS = range(7000, 7021)
 
@@ -34,4 +35,4 @@ def test_single_effects_are_named_first(scores):
 
 
 def test_sensors_are_not_called_physics(scores):
-    assert scores.sensor_called_physics.hits <= 1
+    assert scores.called("sensor", "physics").hits <= 1

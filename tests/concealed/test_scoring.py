@@ -3,22 +3,32 @@
 import json
 import math
 
+import numpy as np
 import pytest
 
 from examples.concealed import runner, scorer
+from examples.concealed.baselines import others
+from examples.concealed.draw import LEVELS as LEVEL_SHARES
+from examples.concealed.figures import TRUE_FORM, Rate, calibration_error
 from examples.concealed.judge import judge
+from examples.concealed.laws import BENCH, JOINT_EFFECTS, NEAR_SPAN, RECIPES
+from examples.concealed.report import table
 from examples.concealed.runner import requests
-from examples.concealed.scorer import Rate
-from examples.concealed.seal import build_all, unseal, write
+from examples.concealed.seal import BrokenSealError, build, key_of, open_seal, write
 
-LEVELS = ("L0", "LP", "L1", "L2", "L4", "L5", "L6")
+LEVELS = ("L0", "LP", "L1", "L2", "L4", "L5", "L6", "L8", "L9")
+JOBS = [("joint", 40 + i, level, None) for i, level in enumerate(LEVELS)]
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory):
-    out = tmp_path_factory.mktemp("cases")
-    write(out, build_all([("joint", 40 + i, level, None) for i, level in enumerate(LEVELS)], 1))
-    return out
+def cases():
+    return dict(map(build, JOBS))
+
+
+@pytest.fixture
+def made(cases, tmp_path):
+    write(tmp_path, cases.items(), key_of(JOBS))
+    return tmp_path
 
 
 def said(verdict, *effects, alternatives=(), kind="physics"):
@@ -34,8 +44,10 @@ def said(verdict, *effects, alternatives=(), kind="physics"):
 def oracle(truth):
     """The answer that knows."""
     level = truth["level"]
-    if level == "L6":
-        return said("unexplained")
+    if level in ("L6", "L8"):
+        nature = truth["effects"][0]["nature"]
+        law = {"stages": nature["stages"][:1], "variables": [words[0] for words in nature["variables"]]}
+        return said("unnamed") | {"unnamed": law | {"memory": nature["memory"], "rate": nature["rate"]}}
     if level in ("L0", "LP"):
         return said("agrees" if level == "L0" else "parameters")
     answer = said(truth["effects"][0]["kind"], *(effect["id"] for effect in truth["effects"]))
@@ -45,53 +57,61 @@ def oracle(truth):
     return answer
 
 
-def answered(out, monkeypatch, reply):
-    truths, asked = unseal(out), []
+def answered(out, monkeypatch, cases, reply):
+    asked = []
 
-    def ask(case, recordings, held_out, _model, _without):
-        asked.append(case.name)
+    def ask(question, recordings, _model):
+        asked.append(question.case.name)
         assert all(path.exists() for path in recordings)
-        return {"exit": 0, "seconds": 1.0, "held_out": held_out, "stderr": "", "diagnosis": reply(truths[case.name])}
+        assert bool(question.without) == (cases[question.case.name].truth["level"] == "L8")
+        diagnosis = reply(cases[question.case.name].truth)
+        return {"exit": 0, "seconds": 1.0, "held_out": [], "stderr": "", "diagnosis": diagnosis}
 
     monkeypatch.setattr(runner, "ask", ask)
-    runner.run(out, 2)
+    runner.run(out, 1)
     return asked
 
 
-def test_an_oracle_scores_full_marks_and_is_asked_once(made, monkeypatch):
-    asked = answered(made, monkeypatch, oracle)
-    assert set(asked) == set(unseal(made))
-    assert answered(made, monkeypatch, oracle) == []
-    scores = scorer.score(made, errors=False)
+def scored(out):
+    open_seal(out, key_of(JOBS))
+    return scorer.score(out, errors=False)
+
+
+def test_an_oracle_scores_full_marks_and_is_asked_once(made, cases, monkeypatch):
+    asked = answered(made, monkeypatch, cases, oracle)
+    assert set(asked) == set(cases)
+    assert answered(made, monkeypatch, cases, oracle) == []
+    scores = scored(made)
     assert scores.mean_score == 1.0
     assert scores.false_alarms.value == 0
     assert scores.named_first.value == 1
     assert scores.told_apart.value == 1
-    assert "| named first, L1 | 100.0 % |" in scores.table()
-    assert (made / "table.md").read_text() == scores.table()
+    assert [scores.fact(name).value for name in ("stage", "variable", "memory", "rate")] == [1, 1, 1, 1]
+    assert "| named first, L1 | 100.0 % |" in table(scores)
+    assert (made / "table.md").read_text() == table(scores)
 
 
-def test_an_answer_that_always_finds_a_snap_is_punished(made, monkeypatch):
-    for path in (made / "answers").glob("*.json"):
-        path.unlink()
-    answered(made, monkeypatch, lambda _truth: said("physics", "snap_through"))
-    scores = scorer.score(made, errors=False)
+def test_an_answer_that_always_finds_a_snap_is_punished(made, cases, monkeypatch):
+    answered(made, monkeypatch, cases, lambda _truth: said("physics", "snap_through"))
+    scores = scored(made)
     assert scores.false_alarms.value == 1
     assert scores.mean_score < -1
-    assert scores.worst(3)[0].score == -2
+    assert scores.worst(3, "L0")[0].score == -2
 
 
-def test_a_failed_answer_is_asked_again(made, monkeypatch):
-    for path in (made / "answers").glob("*.json"):
-        path.unlink()
-    first = answered(made, monkeypatch, lambda truth: None if truth["level"] == "L1" else oracle(truth))
-    again = answered(made, monkeypatch, oracle)
+def test_a_failed_answer_is_asked_again_until_the_seal_is_open(made, cases, monkeypatch):
+    def failing(truth):
+        return None if truth["level"] == "L1" else oracle(truth)
+
+    first = answered(made, monkeypatch, cases, failing)
+    again = answered(made, monkeypatch, cases, failing)
     assert len(first) > len(again) == 1
+    assert scored(made).unanswered == 1
+    with pytest.raises(BrokenSealError, match="has seen the truths"):
+        answered(made, monkeypatch, cases, oracle)
 
 
-def test_an_interrupted_run_leaves_only_whole_answers(made, monkeypatch):
-    for path in (made / "answers").glob("*.json"):
-        path.unlink()
+def test_an_interrupted_run_leaves_only_whole_answers(made, cases, monkeypatch):
     count = []
 
     def reply(truth):
@@ -101,21 +121,42 @@ def test_an_interrupted_run_leaves_only_whole_answers(made, monkeypatch):
         return oracle(truth)
 
     with pytest.raises(KeyboardInterrupt):
-        answered(made, monkeypatch, reply)
+        answered(made, monkeypatch, cases, reply)
     assert list((made / "answers").glob("*.partial")) == []
     for path in (made / "answers").glob("*.json"):
         assert json.loads(path.read_text())["diagnosis"]
-    assert answered(made, monkeypatch, oracle)
+    assert answered(made, monkeypatch, cases, oracle)
 
 
-def truth(level, *effects, twins=(), near=(), size=5.0, kind="physics"):
+def test_answers_of_another_kind_stand_beside_ours_by_the_same_rules(made, cases, monkeypatch):
+    answered(made, monkeypatch, cases, oracle)
+    monkeypatch.setattr(
+        runner, "ask", lambda question, _r, _m: {"diagnosis": said("agrees"), "seconds": 1.0, "why": question.further}
+    )
+    runner.run(made, 1, further=("--max-effects", "1"), label="named-only")
+    scores = scored(made)
+    assert [j.verdict for j in scores.others["named-only"]] == ["agrees"] * len(cases)
+    assert "| named-only | 9 |" in table(scores)
+
+
+def truth(level, *effects, twins=(), size=5.0, kind="physics", base=None):
     return {
         "level": level,
-        "effects": [{"id": name, "kind": kind, "component": "actuator", "noise_widths": size} for name in effects],
+        "effects": [
+            {"id": name, "law": name, "kind": kind, "component": "actuator", "noise_widths": size}
+            | ({"nature": vars(RECIPES[name].nature)} if name in RECIPES else {})
+            for name in effects
+        ],
         "twins": list(twins),
-        "near": list(near),
         "where": [{"axis": "curvature", "value": None, "low": 10.0, "high": 20.0}],
+        "noise": {"kind": "white", "sigma": 0.1},
+        "base_held_out": base,
     }
+
+
+def law(stage="structure", variable="curvature", memory=True, rate=True):
+    given = {"stages": [stage], "variables": [variable], "memory": memory, "rate": rate}
+    return said("unnamed") | {"unnamed": given}
 
 
 @pytest.mark.parametrize(
@@ -127,13 +168,25 @@ def truth(level, *effects, twins=(), near=(), size=5.0, kind="physics"):
         (truth("L1", "backlash"), said("insufficient"), 0.25),
         (truth("L1", "backlash"), said("ambiguous", "coulomb_friction", alternatives=[["backlash"]]), 0.25),
         (truth("L1", "backlash"), said("ambiguous", "coulomb_friction", alternatives=[["tip_load"]]), -2.0),
-        (truth("L1", "backlash"), said("agrees"), 0.0),
+        (truth("L1", "backlash"), said("agrees"), -1.0),
+        (truth("L1", "backlash", size=1.6), said("agrees"), 0.0),
         (truth("L3", "backlash", size=0.6), said("agrees"), 0.25),
         (truth("L2", "backlash", twins=["coulomb_friction"]), said("physics", "coulomb_friction"), 0.5),
         (truth("L5", "camera_scale", twins=["youngs_modulus"], kind="sensor"), said("parameters"), 1.0),
         (truth("L6", "notch_crack"), said("unexplained"), 1.0),
-        (truth("L6", "notch_crack", near=["snap_through"]), said("physics", "snap_through"), 0.25),
         (truth("L6", "notch_crack"), said("physics", "tip_load"), -2.0),
+        (truth("L6", "jacket_relaxation"), law(), 1.0),
+        (truth("L6", "jacket_relaxation"), law(rate=False), 0.5),
+        (truth("L6", "jacket_relaxation"), law(stage="sensor"), 0.0),
+        (truth("L6", "jacket_relaxation"), said("ambiguous", "tendon_creep"), -2.0),
+        (truth("L6", "jacket_relaxation"), said("insufficient"), 0.25),
+        (truth("L8", "backlash"), said("physics", "coulomb_friction"), -2.0),
+        (truth("L8", "backlash"), law("drive", "stroke", True, False), 1.0),
+        (truth("L9", "camera_saturation", kind="sensor"), said("sensor", "camera_saturation"), 1.0),
+        (truth("L9", "doubled_rows", size=0.0), said("agrees"), 1.0),
+        (truth("L9", "doubled_rows", size=0.0), said("sensor", "frozen_frames"), -2.0),
+        (truth("L1", "backlash"), law(), 0.25),
+        (truth("L0"), law(), -2.0),
         (truth("L0"), said("unexplained"), -2.0),
         (truth("L0"), said("parameters"), 1.0),
         (truth("L0"), said("insufficient"), 0.25),
@@ -144,12 +197,117 @@ def test_scores_are_those_of_the_aims(true, answer, points):
     assert judge("c", true, {"diagnosis": answer, "seconds": 1}).score == points
 
 
-def test_a_place_is_right_by_overlap():
-    answer = said("physics", "backlash")
-    answer["where"] = [{"axis": "curvature", "value": None, "low": 12.0, "high": 20.0, "share": 0.9}]
-    assert judge("c", truth("L1", "backlash"), {"diagnosis": answer, "seconds": 1}).overlap == pytest.approx(0.8)
-    answer["where"] = [{"axis": "time", "value": None, "low": 12.0, "high": 20.0, "share": 0.9}]
-    assert judge("c", truth("L1", "backlash"), {"diagnosis": answer, "seconds": 1}).overlap == 0
+def placed(*places):
+    return said("physics", "backlash") | {
+        "where": [{"axis": axis, "value": None, "low": low, "high": 20.0, "share": 0.9} for axis, low in places]
+    }
+
+
+def overlap(true, answer):
+    return judge("c", true, {"diagnosis": answer, "seconds": 1}).overlap
+
+
+def test_the_first_place_counts_by_its_overlap():
+    true = truth("L1", "backlash")
+    assert overlap(true, placed(("curvature", 12.0))) == pytest.approx(0.8)
+    assert overlap(true, placed(("time", 12.0))) == 0
+    assert overlap(true, placed(("time", 12.0), ("curvature", 12.0))) == 0
+    # The wrong name may stand at the right place.
+    assert overlap(truth("L1", "coulomb_friction"), placed(("curvature", 10.0))) == 1
+    true["where"] = [{"axis": "stroke", "value": None, "low": None, "high": None}]
+    assert overlap(true, placed(("stroke", 12.0))) is None
+
+
+def test_the_component_counts_where_the_name_is_wrong_too():
+    answer = said("physics", "leadscrew_pitch_error")
+    answer["effects"][0]["component"] = "actuator"
+    found = judge("c", truth("L1", "backlash"), {"diagnosis": answer})
+    assert found.wrong
+    assert found.component
+
+
+def test_agreement_above_two_noise_widths_on_unseen_rows_is_blind():
+    true = truth("L9", "camera_saturation", kind="sensor")
+    answer = {"diagnosis": said("agrees")}
+    assert judge("c", true, answer, {"recorded": 0.3, "noiseless": 0.28}).blind
+    assert not judge("c", true, answer, {"recorded": 0.15, "noiseless": 0.1}).blind
+    assert judge("c", true, answer).blind is None
+
+
+def test_of_a_bench_fault_the_run_is_part_of_the_answer():
+    true = truth("L9", "run_differs_gain", kind="sensor")
+    true["effects"][0] |= {"id": "run_differs", "run": "r2"}
+    answer = said("sensor", "run_differs")
+    for run in ("r2", "r1"):
+        answer["where"] = [{"axis": "run", "value": run, "low": None, "high": None, "share": 0.9}]
+        assert judge("c", true, {"diagnosis": answer}).bench_right == (run == "r2")
+
+
+def test_stated_probabilities_are_held_against_what_came_true():
+    answer = said("physics", "backlash") | {
+        "probabilities": {"backlash": 0.9, "snap_through": 0.04, "something_else": 0.06}
+    }
+    assert judge("c", truth("L1", "backlash"), {"diagnosis": answer}).beliefs == (
+        (0.9, True),
+        (0.04, False),
+        (0.06, False),
+    )
+    found = judge("c", truth("L8", "backlash"), {"diagnosis": answer})
+    assert found.beliefs == ((0.9, False), (0.04, False), (0.06, True))
+    assert calibration_error([found]) == pytest.approx((0.9 + 2 * abs(0.05 - 0.5)) / 3)
+    # An answer without probabilities stands by the confidence of its first name.
+    assert judge("c", truth("L1", "backlash"), {"diagnosis": said("physics", "backlash")}).beliefs == ((0.9, True),)
+
+
+def many(count=400):
+    """Truths in the shares of the levels, without their recordings."""
+    rng = np.random.default_rng(3)
+    for level in rng.choice(list(LEVEL_SHARES), count, p=list(LEVEL_SHARES.values())):
+        names = {"L6": list(NEAR_SPAN), "L9": [name for name in BENCH if name != "doubled_rows"]}.get(
+            level, list(JOINT_EFFECTS)
+        )
+        chosen = (
+            []
+            if level in ("L0", "LP")
+            else [str(name) for name in rng.choice(names, 2 if level == "L4" else 1, replace=False)]
+        )
+        size = {"L2": 0.3, "L3": 1.5}.get(level, 8.0)
+        kind = RECIPES[chosen[0]].kind if chosen else ""
+        yield truth(str(level), *chosen, size=size, kind=kind, base=0.1 * size)
+
+
+def nearest(true):
+    """The right name where there is one, and some name everywhere."""
+    named = true["effects"] and true["level"] not in ("L6", "L8")
+    return said("physics", true["effects"][0]["id"] if named else "thermal_drift")
+
+
+EVERYTHING = list(JOINT_EFFECTS)
+# Each cheat: what it says, and the error of its model on unseen rows over the base model's.
+CHEATS = {
+    "names everything": (lambda _true: said("physics", *EVERYTHING), 1.0),
+    "groups everything": (lambda _true: said("ambiguous", *EVERYTHING[:1], alternatives=[EVERYTHING]), 1.0),
+    "names nothing": (lambda _true: said("agrees"), 1.0),
+    "nearest name always": (nearest, 1.0),
+    "copies the base": (lambda true: oracle(true) if true["level"] in ("L6", "L8") else law(), 1.0),
+    "overfits the training rows": (lambda true: oracle(true) if true["level"] in ("L6", "L8") else law(), 4.0),
+}
+
+
+def mean(reply, ratio):
+    judged = []
+    for true in many():
+        figures = {"noiseless": ratio * (true["base_held_out"] or 0), "recorded": 0.1}
+        judged.append(judge("c", true, {"diagnosis": reply(true)}, figures).score)
+    return float(np.mean(judged))
+
+
+@pytest.mark.parametrize("name", CHEATS)
+def test_a_cheat_ranks_below_honest_abstention(name):
+    abstains = mean(lambda _true: said("insufficient"), 1.0)
+    assert abstains == pytest.approx(0.25)
+    assert mean(*CHEATS[name]) < abstains - 0.05
+    assert mean(oracle, 0.1) > 0.9
 
 
 def test_a_proposal_is_read_for_what_it_asks():
@@ -167,14 +325,16 @@ def test_wilson_intervals():
     assert Rate(0, 0).text()[0] == "-"
 
 
-def test_other_answers_run_on_a_case(made):
-    from examples.concealed.baselines import others
-
-    truths = unseal(made)
-    held_out = json.loads((made / "held_out.json").read_text())
-    name = next(name for name in truths if truths[name]["level"] in ("L1", "L4", "L5") and held_out[name])
-    found = {other.name: other for other in others(made / "cases" / name, truths[name], held_out[name])}
+def test_other_answers_run_on_a_case(made, cases):
+    name = next(name for name, case in cases.items() if case.truth["level"] in ("L1", "L4", "L5") and case.held_out)
+    true = json.loads(
+        json.dumps(cases[name].truth, default=lambda value: getattr(value, "item", lambda: list(value))())
+    )
+    found = others(made / "cases" / name, true, list(cases[name].held_out))
     assert len(found) == 5
-    sigma = truths[name]["noise"]["sigma"]
-    assert found["true form refitted"].noiseless < 0.5 * sigma
-    assert found["true form refitted"].noiseless < found["no correction"].noiseless
+    best, none = (found[key]["figures"]["noiseless"] for key in (TRUE_FORM, "no correction"))
+    assert best < 0.5 * true["noise"]["sigma"]
+    assert best < none
+    judged = {key: judge(name, true, answer, answer["figures"]) for key, answer in found.items()}
+    assert judged[TRUE_FORM].score == 1
+    assert judged["no correction"].score < 0

@@ -2,13 +2,12 @@
 
 import csv
 import io
-import json
 
 import numpy as np
 import pytest
 
 from examples.concealed.case import make_case
-from examples.concealed.seal import SEALED, BrokenSealError, build_all, unseal, write
+from examples.concealed.seal import SEALED, BrokenSealError, build, key_of, open_seal, unseal, write
 
 SEEDS = range(9000, 9064)
 
@@ -18,27 +17,72 @@ def cases():
     return [make_case(seed) for seed in SEEDS]
 
 
+JOBS = [("joint", seed, None, None) for seed in range(4)]
+
+
+def make(out, jobs=JOBS):
+    return write(out, map(build, jobs), key_of(jobs))
+
+
 def test_the_same_seed_gives_the_same_bytes(tmp_path):
-    jobs = [("joint", seed, None, None) for seed in range(4)]
-    first = write(tmp_path / "a", build_all(jobs, 1))
-    assert first == write(tmp_path / "b", build_all(jobs, 1))
+    first = make(tmp_path / "a")
+    assert first == make(tmp_path / "b")
     for path in (tmp_path / "a").rglob("*"):
-        if path.is_file():
+        if path.is_file() and path.name != SEALED:
             assert path.read_bytes() == (tmp_path / "b" / path.relative_to(tmp_path / "a")).read_bytes()
 
 
+def answer(out, name, words="{}"):
+    (out / "answers").mkdir(exist_ok=True)
+    (out / "answers" / f"{name}.json").write_text(words)
+
+
+def test_nothing_beside_the_cases_can_be_read_for_the_truth_before_the_answers_are_digested(tmp_path, capsys):
+    digest = make(tmp_path)
+    everything = b"".join(path.read_bytes() for path in tmp_path.rglob("*") if path.is_file())
+    assert b'"level"' not in everything
+    assert b'"effects"' not in everything
+    with pytest.raises(BrokenSealError, match="is not there"):
+        unseal(tmp_path, digest)
+    answer(tmp_path, "first")
+    open_seal(tmp_path, key_of(JOBS))
+    assert "1 answers and models, SHA-256 " in capsys.readouterr().err
+    assert len(unseal(tmp_path, digest)) == len(JOBS)
+
+
+def test_other_seeds_do_not_open_the_seal(tmp_path):
+    make(tmp_path)
+    open_seal(tmp_path, key_of(JOBS[:3]))
+    with pytest.raises(BrokenSealError, match="does not open"):
+        unseal(tmp_path)
+
+
+def test_an_answer_younger_than_the_key_is_refused(tmp_path):
+    make(tmp_path)
+    answer(tmp_path, "first")
+    open_seal(tmp_path, key_of(JOBS))
+    answer(tmp_path, "first", '{"better": 1}')
+    with pytest.raises(BrokenSealError, match=r"younger than the key: answers/first\.json"):
+        unseal(tmp_path)
+    answer(tmp_path, "first")
+    assert unseal(tmp_path)
+    answer(tmp_path, "second")
+    with pytest.raises(BrokenSealError, match=r"younger than the key: answers/second\.json"):
+        unseal(tmp_path)
+
+
 def test_a_changed_truth_breaks_the_seal(tmp_path):
-    digest = write(tmp_path, build_all([("joint", 1, "L1", None)], 1))
-    truths = unseal(tmp_path, digest)
-    (name,) = truths
-    truths[name]["level"] = "L0"
-    (tmp_path / SEALED).write_text(json.dumps(truths))
-    with pytest.raises(BrokenSealError):
+    digest = make(tmp_path)
+    open_seal(tmp_path, key_of(JOBS))
+    with pytest.raises(BrokenSealError, match="has changed"):
+        unseal(tmp_path, "0" * 64)
+    (tmp_path / SEALED).write_bytes((tmp_path / SEALED).read_bytes()[:-8] + b"AAAAAAA=")
+    with pytest.raises(BrokenSealError, match="does not open"):
         unseal(tmp_path, digest)
 
 
 def test_a_case_folder_holds_configuration_and_recordings_only(tmp_path):
-    write(tmp_path, build_all([("joint", seed, None, None) for seed in range(6)], 1))
+    make(tmp_path)
     for folder in (tmp_path / "cases").iterdir():
         assert all(path.name == "tubes.toml" or path.suffix == ".csv" for path in folder.iterdir())
 
