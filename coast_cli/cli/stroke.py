@@ -24,14 +24,18 @@ def stroke(
     x2: Annotated[str, typer.Option("--x2", help="bending lengths, mm: as for --kappa")],
     stroke: Annotated[str | None, typer.Option(help="strokes, mm, instead of curvatures: what they reach")] = None,
     pair: PairOption = None,
+    tolerances: Annotated[
+        bool, typer.Option("--tolerances", help="bands also of how the tubes are made, by [tolerances] or its defaults")
+    ] = False,
     plot: PlotOption = None,
     format: FormatOption = None,
     output: OutputOption = None,
 ) -> None:
     """Print the stroke, tension, strain and tip for curvatures and bending lengths; --stroke inverts.
 
-    Valid for increasing stroke: on release the real joint lags.
+    Valid for increasing stroke: on release the real joint lags. A calibrated or diagnosed model gives its 90 % band.
     """
+    from coast_cli.design.bands import alternatives, told_of
     from coast_cli.design.stroke import stroke_table
     from coast_cli.errors import UsageError
     from coast_cli.output.answer import Answer, Columns
@@ -59,12 +63,13 @@ def stroke(
         strokes=[] if stroke is None else [value * MILLIMETRE for value in numbers(stroke, "--stroke")],
         effects=design.effects,
         checks=document.checks,
+        alternatives=alternatives(design, pair, tolerances=tolerances),
     )
     if plot is not None:
         from coast_cli.output.design_plot import plot_strokes
 
         plot_strokes(columns).write(plot)
-    answer = Answer(
-        "stroke", Columns(columns), provenance(document), (*design.notes, *design.uncorrected_joint, *notes)
-    )
+    notes = (*design.notes, *design.uncorrected_joint, *notes, *told_of(document, tolerances=tolerances))
+    origin = provenance(document, options={"tolerances": True} if tolerances else None)
+    answer = Answer("stroke", Columns(columns), origin, notes)
     write_answer(answer, format, output or ())

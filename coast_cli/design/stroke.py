@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from coast_cli.design.bands import WIDTH_90, Alternative
 from coast_cli.design.loading import acting_on_load, corrected_stroke
 from coast_cli.design.reach import PLATEAU_STRAIN, Pulled, Webs, softens, tendon_limits, web_limits
 from coast_cli.effects.effect import Effect
@@ -35,6 +36,7 @@ def stroke_table(
     strokes: Sequence[float] = (),
     effects: Sequence[Effect] = (),
     checks: Checks | None = None,
+    alternatives: Sequence[Alternative] = (),
 ) -> StrokeTable:
     """Return every curvature (or stroke) with every bending length, the length slowest.
 
@@ -45,6 +47,7 @@ def stroke_table(
         strokes: X1, m, each inverted to the curvature it reaches.
         effects: corrections of the joint; strokes are then those of the corrected model's loading branch.
         checks: whose limits on stroke, tendon and webs are noted where a row passes them.
+        alternatives: what may be otherwise of the joint; it gives 90 % bands of what is answered.
 
     Raises:
         UsageError: a value the joint cannot take.
@@ -53,12 +56,7 @@ def stroke_table(
     _check(joint, bending_lengths, curvatures or strokes)
     length, drive = (grid.ravel() for grid in np.meshgrid(bending_lengths, curvatures or strokes, indexing="ij"))
     acting, left_out = acting_on_load(effects)
-    if acting:
-        solution = corrected_stroke(joint, acting, length, drive, inverse=bool(strokes))
-    else:
-        solution = _solve(joint, length, drive, inverse=bool(strokes))
-    if not solution.verdict.converged:
-        raise NotConverged(f"{solution.verdict.message}.")
+    solution = _solve(joint, acting, length, drive, inverse=bool(strokes))
     tip_x, tip_y = tip(solution.curvature, length)
     known = joint.tendon is not None
     columns: dict[str, Any] = {
@@ -71,6 +69,7 @@ def stroke_table(
         "tendon_strain": _known(solution.tendon_strain) if known else [None] * length.size,
         "tip_x_mm": tip_x / MILLIMETRE,
         "tip_y_mm": tip_y / MILLIMETRE,
+        **_bands(solution, alternatives, length, drive, inverse=bool(strokes)),
     }
     if min(bending_lengths) < joint.pitch:
         left_out = (*left_out, f"a bending length is below one pitch, {joint.pitch / MILLIMETRE:g} mm: is it in mm?")
@@ -79,13 +78,48 @@ def stroke_table(
     return StrokeTable(columns, notes)
 
 
-def _solve(joint: Joint, length: FloatArray, drive: FloatArray, *, inverse: bool) -> StrokeSolution:
-    if inverse:
-        return curvature_from_stroke(joint, drive, length)
-    if joint.tendon is not None:
+def _solve(
+    joint: Joint, acting: Sequence[Effect], length: FloatArray, drive: FloatArray, *, inverse: bool
+) -> StrokeSolution:
+    if acting:
+        solution = corrected_stroke(joint, acting, length, drive, inverse=inverse)
+    elif inverse:
+        solution = curvature_from_stroke(joint, drive, length)
+    elif joint.tendon is not None:
         return stroke(joint, drive, length)
-    nothing = np.zeros_like(drive)
-    return StrokeSolution(drive, nothing, tension(joint, drive, length), nothing, Verdict(converged=True))
+    else:
+        nothing = np.zeros_like(drive)
+        return StrokeSolution(drive, nothing, tension(joint, drive, length), nothing, Verdict(converged=True))
+    if not solution.verdict.converged:
+        raise NotConverged(f"{solution.verdict.message}.")
+    return solution
+
+
+def _bands(
+    solution: StrokeSolution,
+    alternatives: Sequence[Alternative],
+    length: FloatArray,
+    drive: FloatArray,
+    *,
+    inverse: bool,
+) -> dict[str, Sequence[float | None]]:
+    """Return the ends of the 90 % bands of strokes, or with ``inverse`` of curvatures; no values without alternatives."""
+    names = ("stroke_low_mm", "stroke_high_mm", "curvature_low_per_m", "curvature_high_per_m")
+    columns: dict[str, Sequence[float | None]] = {name: [None] * length.size for name in names}
+    if not alternatives:
+        return columns
+    middle, (low, high) = (solution.curvature, names[2:]) if inverse else (solution.stroke / MILLIMETRE, names[:2])
+    variance = np.zeros(length.size)
+    for one in alternatives:
+        below, above = (
+            _solve(joint, acting_on_load(effects)[0], length, drive, inverse=inverse)
+            for joint, effects in (one.below, one.above)
+        )
+        change = above.curvature - below.curvature if inverse else (above.stroke - below.stroke) / MILLIMETRE
+        variance += (change / 2.0) ** 2
+    half = WIDTH_90 * np.sqrt(variance)
+    columns[low], columns[high] = _known(np.maximum(middle - half, 0.0)), _known(middle + half)
+    return columns
 
 
 def _check(joint: Joint, lengths: Sequence[float], drives: Sequence[float]) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-POOLED = "all"
+POOLED, MEAN = "all", "mean"
 MOST_FOR_NOISE, FEWEST_FOR_NOISE = 40_000, 400  # samples over all runs, and in one
 
 
@@ -74,11 +74,12 @@ class Comparison:
     shape: tuple[ShapeErrors, ...]
 
     def rows(self) -> list[dict[str, str | float | int | None]]:
-        """Return a row for each run and, last, one for all of them together."""
+        """Return a row for each run, of several the mean of their errors, and last one for all of them pooled."""
         most = min(MOST_SAMPLES, max(FEWEST_FOR_NOISE, MOST_FOR_NOISE // max(len(self.joint), 1)))
         rows = [_row(one.run.name, [one], (), run_noise(one.run, most_samples=most).level) for one in self.joint]
         rows += [_row(one.run.name, (), [one], _shape_noise([one])) for one in self.shape]
-        return [*rows, _row(POOLED, self.joint, self.shape, self._noise())]
+        pooled = _row(POOLED, self.joint, self.shape, self._noise())
+        return [*rows, _mean(rows, pooled), pooled] if len(rows) > 1 else [*rows, pooled]
 
     def _noise(self) -> float | None:
         if len(_units(self.joint, self.shape)) != 1:
@@ -155,6 +156,17 @@ def _row(
         "noise": noise,
         "noise_unit": unit,
     }
+
+
+def _mean(
+    rows: Sequence[Mapping[str, str | float | int | None]], pooled: Mapping[str, str | float | int | None]
+) -> dict[str, str | float | int | None]:
+    """Return the mean of each error over the runs that have it: a long run counts no more than a short one."""
+    found: dict[str, str | float | int | None] = {**pooled, "run": MEAN, "noise": None, "noise_unit": None}
+    for name in (name for name in pooled if name.startswith("rmse_")):
+        values = [value for value in (row[name] for row in rows) if isinstance(value, float)]
+        found[name] = sum(values) / len(values) if values else None
+    return found
 
 
 def _rms(parts: Sequence[Floats], unit: float = 1.0) -> float | None:

@@ -33,6 +33,10 @@ COLUMNS: dict[str, dict[str, str]] = {
         "tendon_strain": "elongation of the tendon over its length",
         "tip_x_mm": "place of the tip along the straight segment, mm",
         "tip_y_mm": "place of the tip across it, mm",
+        "stroke_low_mm": "lower end of the stroke's 90 % band: of the fit in [fitted], and of --tolerances; else no value",
+        "stroke_high_mm": "upper end",
+        "curvature_low_per_m": "lower end of the curvature's 90 % band, of strokes",
+        "curvature_high_per_m": "upper end",
     },
     "path": {
         "feed_mm": "arc length of the tip along the path, mm",
@@ -165,7 +169,7 @@ COLUMNS: dict[str, dict[str, str]] = {
         "outlier_share": "share of samples that stand alone, far from their neighbours",
     },
     "compare": {
-        "run": "the run; `all` pools every one",
+        "run": "the run; `mean` is the mean of the runs' errors (as the paper's 0.816 mm is one), `all` pools every sample",
         "n": "recorded values that were compared; of notches, each angle",
         "rmse_curvature_per_m": "root mean square error of the whole segment's curvature, 1/m",
         "rmse_bend_deg": "the same of the bend, degrees, where that was recorded",

@@ -90,7 +90,8 @@ def test_notches_are_told_one_by_one_and_as_the_segment(config, exact):
 def test_the_pooled_row_weighs_by_samples(config, exact):
     short = joint(exact[:10] + 3.0, "b", stroke=STROKE[:10], bending_length=np.full(10, LENGTH), line=np.arange(10))
     found = rows(config, joint(exact + 1.0), short)
-    assert list(found) == ["a", "b", "all"]
+    assert list(found) == ["a", "b", "mean", "all"]
+    assert found["mean"]["rmse_curvature_per_m"] == pytest.approx(2.0, rel=1e-4)
     assert found["all"]["n"] == 50
     assert found["all"]["rmse_curvature_per_m"] == pytest.approx(np.sqrt((40 * 1.0 + 10 * 9.0) / 50), rel=1e-4)
 
@@ -161,3 +162,11 @@ def test_a_pair_bends_between_its_tubes(config):
     (found,) = compare(config, Recordings(shape=Recording("shape", (run,)))).shape
     turn = np.arctan2(np.diff(found.y), np.diff(found.x))[-1]
     assert -0.45 < turn < -0.1  # rank-pairs gives -0.24 where each tube sags by itself; a photographed pair sags as one
+
+
+def test_the_papers_headline_is_a_mean_over_runs():
+    from coast_cli.diagnosis.compare import _mean
+
+    paper = [1.104, 0.395, 1.024, 0.662, 0.422, 1.287]  # its Fig. 9 (b) and (c), mm
+    found = _mean([{"rmse_tip_mm": value} for value in paper], {"run": "all", "n": 600, "rmse_tip_mm": 0.9})
+    assert round(found["rmse_tip_mm"], 3) == 0.816
