@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from coast_cli.mechanics.section import full_section, notched_section
+from coast_cli.mechanics.section import full_section, notched_section, strip_across
 
 OUTER, INNER = 0.25e-3, 0.2e-3
 CELLS = 2000
@@ -56,3 +56,20 @@ def test_the_ring_is_a_notch_of_no_angle_lost():
 
 def test_sections_broadcast():
     assert notched_section(OUTER, np.full((2, 1), INNER), np.full(3, 0.3e-3)).area.shape == (2, 3)
+
+
+@pytest.mark.parametrize("kind", ["sector", "chord"])
+@pytest.mark.parametrize("depth", [0.25e-3, 0.314e-3, 0.38e-3])
+def test_across_the_notch_by_integration_in_two_dimensions(kind, depth):
+    ro, ri = 0.25e-3, 0.2e-3
+    half = np.arccos((depth - ro) / ro) if kind == "sector" else np.pi
+    radius = ri + (ro - ri) * (np.arange(200) + 0.5) / 200
+    angle = half * (np.arange(4000) + 0.5) / 4000
+    height = radius[:, None] * np.cos(angle)
+    kept = height > (depth - ro if kind == "chord" else -1.0)
+    area = radius[:, None] * (ro - ri) / 200 * 2.0 * half / 4000 * kept
+    across, torsion = strip_across(ro, ri, depth, kind)
+    assert across == pytest.approx((area * (radius[:, None] * np.sin(angle)) ** 2).sum(), rel=2e-3)
+    assert torsion == pytest.approx(
+        area.sum() * (ro - ri) ** 2 / 3.0, rel=0.12
+    )  # a strip of wall t and area A: A t^2/3
