@@ -37,12 +37,16 @@ ConfigsArgument = Annotated[
     list[Path], typer.Argument(metavar="CONFIG", help="configurations (TOML)", show_default=False), READS
 ]
 FormatOption = Annotated[
-    str | None, typer.Option("--format", "-f", metavar="FORMAT", help="table, json or csv, to stdout")
+    str | None, typer.Option("--format", "-f", metavar="FORMAT", help="table, json, csv, markdown or latex, to stdout")
 ]
 OutputOption = Annotated[
     list[Path] | None,
     typer.Option(
-        "--output", "-o", metavar="FILE", help="write a file: .txt, .json or .csv; repeatable", callback=_to_write
+        "--output",
+        "-o",
+        metavar="FILE",
+        help="write a file: .txt, .json, .csv, .md or .tex; repeatable",
+        callback=_to_write,
     ),
     WRITES,
 ]

@@ -3,14 +3,30 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from coast_cli.cli.options import FormatOption, OutputOption, PairOption, PlotOption, numbers
-from coast_cli.cli.paths import Reads
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from coast_cli.output.atomic import Writer
+
+from coast_cli.cli.options import FormatOption, PairOption, PlotOption, numbers
+from coast_cli.cli.paths import WRITES, Reads
 
 WORKING_COPY = Path("configs/tubes.toml")
+FOR_CONTROLLERS = (".h", ".npz")
+
+
+def _to_write(paths: list[Path] | None) -> list[Path] | None:
+    """Refuse files whose suffix says no format before any work is done for them."""
+    from coast_cli.output.write import format_of
+
+    for path in paths or ():
+        if path.suffix.lower() not in FOR_CONTROLLERS:
+            format_of(path)
+    return paths
 
 
 def stroke(
@@ -29,7 +45,17 @@ def stroke(
     ] = False,
     plot: PlotOption = None,
     format: FormatOption = None,
-    output: OutputOption = None,
+    output: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="FILE",
+            help="write a file: .txt, .json, .csv, .md or .tex; .h (C) or .npz for a controller; repeatable",
+            callback=_to_write,
+        ),
+        WRITES,
+    ] = None,
 ) -> None:
     """Print the stroke, tension, strain and tip for curvatures and bending lengths; --stroke inverts.
 
@@ -56,15 +82,31 @@ def stroke(
         document = load_config(config or WORKING_COPY)
     design = build(document)
     joint = design.joint(pair)
+    lengths = [value * MILLIMETRE for value in numbers(x2, "--x2")]
+    drives = {
+        "curvatures": [] if kappa is None else numbers(kappa, "--kappa"),
+        "strokes": [] if stroke is None else [value * MILLIMETRE for value in numbers(stroke, "--stroke")],
+    }
+    others = alternatives(design, pair, tolerances=tolerances)
+    steps = None if document.actuator is None else document.actuator.steps_per_mm
     columns, notes = stroke_table(
         joint,
-        [value * MILLIMETRE for value in numbers(x2, "--x2")],
-        curvatures=[] if kappa is None else numbers(kappa, "--kappa"),
-        strokes=[] if stroke is None else [value * MILLIMETRE for value in numbers(stroke, "--stroke")],
+        lengths,
+        **drives,
         effects=design.effects,
         checks=document.checks,
-        alternatives=alternatives(design, pair, tolerances=tolerances),
+        alternatives=others,
+        steps_per_mm=steps,
     )
+    controller = [path for path in output or () if path.suffix.lower() in FOR_CONTROLLERS]
+    beside: Mapping[Path, Writer] = {}
+    if controller:
+        from coast_cli.design.stroke_grid import stroke_grid
+        from coast_cli.output.controller import writers
+
+        grid = stroke_grid(joint, lengths, **drives, effects=design.effects, steps_per_mm=steps)
+        beside = writers(grid, controller, document, design.pair(pair))
+        notes = (*notes, f"between the nodes of the controller's table lines are off by at most {grid.told_error}.")
     if plot is not None:
         from coast_cli.output.design_plot import plot_strokes
 
@@ -72,4 +114,5 @@ def stroke(
     notes = (*design.notes, *design.uncorrected_joint, *notes, *told_of(document, tolerances=tolerances))
     origin = provenance(document, options={"tolerances": True} if tolerances else None)
     answer = Answer("stroke", Columns(columns), origin, notes)
-    write_answer(answer, format, output or ())
+    pages = [path for path in output or () if path not in controller]
+    write_answer(answer, format, pages, beside=beside)

@@ -37,6 +37,7 @@ def stroke_table(
     effects: Sequence[Effect] = (),
     checks: Checks | None = None,
     alternatives: Sequence[Alternative] = (),
+    steps_per_mm: float | None = None,
 ) -> StrokeTable:
     """Return every curvature (or stroke) with every bending length, the length slowest.
 
@@ -48,6 +49,7 @@ def stroke_table(
         effects: corrections of the joint; strokes are then those of the corrected model's loading branch.
         checks: whose limits on stroke, tendon and webs are noted where a row passes them.
         alternatives: what may be otherwise of the joint; it gives 90 % bands of what is answered.
+        steps_per_mm: of the actuator's motor.
 
     Raises:
         UsageError: a value the joint cannot take.
@@ -69,6 +71,7 @@ def stroke_table(
         "tendon_strain": _known(solution.tendon_strain) if known else [None] * length.size,
         "tip_x_mm": tip_x / MILLIMETRE,
         "tip_y_mm": tip_y / MILLIMETRE,
+        "stroke_steps": _steps(solution, steps_per_mm),
         **_bands(solution, alternatives, length, drive, inverse=bool(strokes)),
     }
     if min(bending_lengths) < joint.pitch:
@@ -93,6 +96,15 @@ def _solve(
     if not solution.verdict.converged:
         raise NotConverged(f"{solution.verdict.message}.")
     return solution
+
+
+def _steps(solution: StrokeSolution, steps_per_mm: float | None) -> list[int | None]:
+    """Return the motor's steps from zero for each stroke; no value where either is not known."""
+    if steps_per_mm is None:
+        return [None] * solution.stroke.size
+    return [
+        None if np.isnan(value) else round(value * steps_per_mm) for value in (solution.stroke / MILLIMETRE).tolist()
+    ]
 
 
 def _bands(

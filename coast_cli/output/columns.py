@@ -33,6 +33,7 @@ COLUMNS: dict[str, dict[str, str]] = {
         "tendon_strain": "elongation of the tendon over its length",
         "tip_x_mm": "place of the tip along the straight segment, mm",
         "tip_y_mm": "place of the tip across it, mm",
+        "stroke_steps": "the stroke in steps of the motor, from zero; no value without [actuator]",
         "stroke_low_mm": "lower end of the stroke's 90 % band: of the fit in [fitted], and of --tolerances; else no value",
         "stroke_high_mm": "upper end",
         "curvature_low_per_m": "lower end of the curvature's 90 % band, of strokes",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from importlib import import_module
 from pathlib import Path
@@ -10,15 +10,27 @@ from typing import Any
 
 from coast_cli.errors import UsageError, printable
 from coast_cli.output.answer import Answer
-from coast_cli.output.atomic import write_files
+from coast_cli.output.atomic import Writer, write_files
 from coast_cli.output.standard_streams import to_stderr, to_stdout
 
-FORMATS = ("table", "json", "csv")
-SUFFIXES = {".txt": "table", ".json": "json", ".csv": "csv", ".xml": "junit"}
+FORMATS = ("table", "json", "csv", "markdown", "latex")
+SUFFIXES = {
+    ".txt": "table",
+    ".json": "json",
+    ".csv": "csv",
+    ".md": "markdown",
+    ".tex": "latex",
+    ".xml": "junit",
+}
 
 
 def write_answer(
-    answer: Answer, format: str | None, outputs: Sequence[Path] = (), *, formats: Sequence[str] = FORMATS
+    answer: Answer,
+    format: str | None,
+    outputs: Sequence[Path] = (),
+    *,
+    formats: Sequence[str] = FORMATS,
+    beside: Mapping[Path, Writer] | None = None,
 ) -> None:
     """Write the answer to every file of ``outputs``, and to stdout where a format is named or no file is.
 
@@ -27,6 +39,7 @@ def write_answer(
         format: for stdout; None is "table", or nothing where there are ``outputs``.
         outputs: files; the suffix says the format. All of them appear, or none.
         formats: what this command can write.
+        beside: more files that the command writes, which appear with the others or not at all.
 
     Raises:
         UsageError: an unknown format or suffix, or a file that cannot be written.
@@ -36,10 +49,11 @@ def write_answer(
         raise UsageError(f"--format {format}: not a format of `coast {answer.command}`; allowed: {', '.join(formats)}.")
     renders = {path: _renderer(format_of(path, formats)) for path in outputs}
     answer.check_finite()
-    write_files({path: partial(render, answer) for path, render in renders.items()})
+    beside = beside or {}
+    write_files({path: partial(render, answer) for path, render in renders.items()} | dict(beside))
     for note in answer.notes:
         say(f"note: {note}")
-    if format is not None or not outputs:
+    if format is not None or not (outputs or beside):
         to_stdout(partial(_renderer(format or "table"), answer))
 
 

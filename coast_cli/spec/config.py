@@ -218,6 +218,14 @@ class Rank(Document):
     )
 
 
+class Actuator(Document):
+    """The motor that pulls the tendon."""
+
+    steps_per_mm: Annotated[float, Within(0.0, 1e7, above=True)] = Field(
+        description="steps of the motor, or counts of its encoder, for one mm of stroke X1"
+    )
+
+
 class Fitted(Document):
     """How sure the numbers are that a calibration or a diagnosis fitted, as it wrote them."""
 
@@ -275,6 +283,7 @@ class Config(Document):
         default_factory=dict, description="effects that a diagnosis found, by id, with their fitted parameters"
     )
 
+    actuator: Actuator | None = Field(None, description="the motor that pulls the tendon")
     fitted: Fitted | None = Field(None, description="how sure fitted numbers are, as --save-model wrote it")
 
     _origin: Origin = PrivateAttr(default_factory=Origin)

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from coast_cli.output import csv as csv_format
-from coast_cli.output import github, junit, table
+from coast_cli.output import github, junit, latex, markdown, table
 from coast_cli.output import json as json_format
 from coast_cli.output.answer import Answer, Columns
 
@@ -159,3 +159,22 @@ def test_a_million_rows_cost_no_more_than_their_columns():
     rows = Columns({"a": np.zeros(1_000_000), "b": np.zeros(1_000_000)})
     assert sys.getsizeof(rows) < 1000
     assert sum(1 for _ in rows[:10]) == 10
+
+
+def test_markdown_and_latex_escape_what_they_reserve():
+    rows = [
+        {"run_1": "a|b_c*", "x_mm": 1.23456789, "ok": True, "none": None},
+        {"run_1": "50 %", "x_mm": None, "ok": False, "none": None},
+    ]
+    lines = rendered(markdown, answer_of(rows)).splitlines()
+    assert lines == [
+        "| run\\_1 | x\\_mm | ok |",
+        "|---|---:|---:|",
+        "| a\\|b\\_c\\* | 1.2346 | yes |",
+        "| 50 % | - | no |",
+    ]
+    text = rendered(latex, answer_of(rows))
+    assert text.splitlines()[0] == r"\begin{tabular}{lrr}"
+    assert r"a|b\_c* & 1.2346 & yes \\" in text
+    assert r"50 \% & - & no \\" in text
+    assert rendered(latex, answer_of([])) == rendered(markdown, answer_of([])) == ""
