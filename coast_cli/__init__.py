@@ -19,10 +19,10 @@ if TYPE_CHECKING:
     from coast_cli.design.stroke import stroke_table as stroke_table
     from coast_cli.design.tolerance import tolerance_rows as tolerance_rows
     from coast_cli.diagnosis.answer import Diagnosis as Diagnosis
-    from coast_cli.diagnosis.calibration import Calibration as Calibration
-    from coast_cli.diagnosis.calibration import calibrate as calibrate
     from coast_cli.diagnosis.compare import Comparison as Comparison
     from coast_cli.diagnosis.compare import compare as compare
+    from coast_cli.diagnosis.joint.calibration import Calibration as Calibration
+    from coast_cli.diagnosis.joint.calibration import calibrate as calibrate
     from coast_cli.diagnosis.model_file import model_text as model_text
     from coast_cli.diagnosis.recorded import diagnose as diagnose
     from coast_cli.errors import (
@@ -106,7 +106,7 @@ _PUBLIC = {
     "design.stroke": ("StrokeTable", "stroke_table"),
     "design.tolerance": ("tolerance_rows",),
     "diagnosis.answer": ("Diagnosis",),
-    "diagnosis.calibration": ("Calibration", "calibrate"),
+    "diagnosis.joint.calibration": ("Calibration", "calibrate"),
     "diagnosis.compare": ("Comparison", "compare"),
     "diagnosis.model_file": ("model_text",),
     "diagnosis.recorded": ("diagnose",),

@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from coast_cli.diagnosis.problem import build_problem, with_base
+from coast_cli.diagnosis.joint.build import build_joint_problem
+from coast_cli.diagnosis.joint.problem import with_base
 from coast_cli.effects.effect import Effect
 from coast_cli.effects.forward import History, Layout, predict
 from coast_cli.recordings.model import JointRun
@@ -86,4 +87,4 @@ def coloured(rng: np.random.Generator, size: int, level: float, memory: float) -
 
 def problem_of(runs: Sequence[JointRun], held=None):
     """Return the problem of fitting the reference configuration to runs."""
-    return build_problem(CONFIG, runs, held)
+    return build_joint_problem(CONFIG, runs, held)

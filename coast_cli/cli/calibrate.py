@@ -43,7 +43,7 @@ def calibrate(
 
     Parameters: youngs_modulus_gpa, notch_friction, deadband_mm, pulley_friction, tendon_youngs_modulus_gpa.
     """
-    from coast_cli.diagnosis.calibration import calibrate as calibration_of
+    from coast_cli.diagnosis.joint.calibration import calibrate as calibration_of
     from coast_cli.diagnosis.model_file import calibrated_text
     from coast_cli.output.answer import Answer
     from coast_cli.output.atomic import write_files

@@ -43,7 +43,7 @@ def plan(
 
     Every effect is simulated at one size, and what refitted parameters or another effect could take up is taken off.
     """
-    from coast_cli.diagnosis.planning import Plan, plan_rows
+    from coast_cli.diagnosis.joint.planning import Plan, plan_rows
     from coast_cli.errors import UsageError
     from coast_cli.output.answer import Answer
     from coast_cli.output.provenance import provenance

@@ -39,6 +39,15 @@ class Named:
 
 
 @dataclass(frozen=True, slots=True)
+class Errors:
+    """RMS errors of a model: of the response in its table unit, of the tip in mm; and over how many samples."""
+
+    count: int
+    response: float
+    tip_mm: float
+
+
+@dataclass(frozen=True, slots=True)
 class Level:
     """Errors on the rows fitted and on those held out, in the response's unit; None where nothing was held out."""
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from coast_cli.diagnosis.errors import UNITS, tip_of, to_unit
-from coast_cli.diagnosis.problem import build_problem
+from coast_cli.diagnosis.joint.build import build_joint_problem
+from coast_cli.diagnosis.joint.errors import UNITS, tip_of, to_unit
 from coast_cli.diagnosis.shapes.problem import build_problem as build_shape_problem
 from coast_cli.recordings.noise import MOST_SAMPLES, Series, pooled_noise, recording_noise, run_noise
 from coast_cli.units import DEGREE, MILLIMETRE
@@ -105,7 +105,7 @@ def _joint_errors(config: Config, runs: Sequence[JointRun]) -> list[JointErrors]
         kinds.setdefault((run.kind, run.response.shape[1], run.stroke is None), []).append(index)
     found: dict[int, JointErrors] = {}
     for members in kinds.values():
-        problem = build_problem(config, [runs[index] for index in members])
+        problem = build_joint_problem(config, [runs[index] for index in members])
         for index, prediction in zip(members, problem.predict(problem.configured(), ()), strict=True):
             run, response = runs[index], prediction.response
             whole = run.valid

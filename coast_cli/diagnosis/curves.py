@@ -66,9 +66,9 @@ def curves(config: Config, recordings: Recordings, diagnosis: Diagnosis) -> list
 
 def _joint_curves(config: Config, runs: Sequence[JointRun], diagnosis: Diagnosis, held: set[str]) -> list[Curve]:
     from coast_cli.diagnosis.fit import fit
-    from coast_cli.diagnosis.problem import build_problem
+    from coast_cli.diagnosis.joint.build import build_joint_problem
 
-    problem = build_problem(config, runs, [np.full(len(run), run.name in held) for run in runs])
+    problem = build_joint_problem(config, runs, [np.full(len(run), run.name in held) for run in runs])
     base = problem.predict(fit(problem).coordinates, ())
     wanted = [(p, diagnosis.model_parameters.get(p.name, p.value)) for p in problem.base]
     coordinates = np.array([np.log(value) if p.logarithmic else value for p, value in wanted])

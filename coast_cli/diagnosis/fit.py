@@ -1,25 +1,32 @@
-"""Fit a set of effects together with the base model's own parameters, and say how likely what is left is as noise."""
+"""Fit a set of effects together with the base model's own parameters, and say how likely what is left is as noise.
+
+Three passes: a rough one at the white level of the recording; a fine one at the level and colour that it left; and, for
+what is compared closely or printed, a tight one by central differences, to where a further step gains nothing.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
-from coast_cli.diagnosis.likelihood import Evidence
-from coast_cli.diagnosis.problem import Booleans, Problem
+from coast_cli.diagnosis.least_squares import Descent, descend
+from coast_cli.diagnosis.noise_model import Evidence
+from coast_cli.diagnosis.problem import Problem
+from coast_cli.diagnosis.space import Booleans, ParameterSpace
 from coast_cli.effects.effect import Effect
 from coast_cli.mechanics.section import FloatArray
 
-_DIFFERENCE = 1e-4
-_ROUGH_STEPS = 14
+ROUGH_STEPS = 14
 _FINE_STEPS = 5
-# Every record has a small smooth misfit that no parameter stands for: this share of the noise, in so many shapes. It does
-# not average out with more samples, so intervals must not shrink as if it did.
-_MISFIT, _MISFIT_SHAPES = 0.155, 6.0
-_SIZES_FIRST = 3  # steps in which shapes stay where they start
-_GAIN = 5e-4  # relative fall of the cost under which a fit has settled
+_TIGHT_STEPS = 20
+_SIZES_FIRST = 3  # steps in which what only shapes an effect stays where it starts
+# Share of the cost that a further step may still gain where a pass has settled: each only leads to the next.
+_ROUGH, _FINE, _TIGHT = 5e-4, 2e-4, 1e-8
+_SMALLEST_LEVEL = 1e-15
+Pass = Literal["rough", "fine", "tight"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,69 +34,58 @@ class Fit:
     """A fitted hypothesis.
 
     Attributes:
-        effects: with their fitted parameters.
-        coordinates: base parameters in fit coordinates (p,).
-        covariance: of base parameters and then effect parameters, in their own units where linear, (q, q).
-        evidence: of the response's residual. tension_evidence: of the tension's.
-        log_likelihood: of both, plus the log prior of the base parameters.
-        rmse: of the fitted response, SI. residual: observed less fitted response (n,).
-        at_bound: for each of the q parameters.
-        converged: whether the fit settled before its step limit.
+        effects: with their fitted parameters. coordinates: base parameters in fit coordinates (p,).
+        covariance: of base and then effect parameters, in fit coordinates (q, q).
+        evidences: of each channel's residual as noise. residuals: recorded less predicted, of each channel.
+        jacobian: of the whole residual by every parameter (n, q).
+        log_likelihood: of all channels, plus the log prior of what is expected somewhere.
+        at_bound: for each of the q parameters. converged: whether the fit settled before its step limit.
     """
 
     effects: tuple[Effect, ...]
     coordinates: FloatArray
     covariance: FloatArray
-    evidence: Evidence
-    tension_evidence: Evidence
+    evidences: tuple[Evidence, ...]
+    residuals: tuple[FloatArray, ...]
+    jacobian: FloatArray
     log_likelihood: float
-    rmse: float
-    residual: FloatArray
-    tension_residual: FloatArray
     at_bound: tuple[bool, ...]
     converged: bool
-
-    @property
-    def parameter_count(self) -> int:
-        """Number of effect parameters."""
-        return sum(len(effect.parameters) for effect in self.effects)
 
     @property
     def ids(self) -> tuple[str, ...]:
         """Effect ids in the order in which they act."""
         return tuple(effect.id for effect in self.effects)
 
+    @property
+    def parameter_count(self) -> int:
+        """Number of effect parameters that were fitted."""
+        return len(self.at_bound) - self.coordinates.size
 
-@dataclass(frozen=True, slots=True)
-class _Space:
-    """The joint vector of base and effect parameters, and how it becomes effects.
+    @property
+    def residual(self) -> FloatArray:
+        """Residual of the response."""
+        return self.residuals[0]
 
-    Attributes:
-        low, high: bounds. scale: step of a difference. reach: longest step. shape: which parameters are shapes; all (q,).
-    """
+    @property
+    def evidence(self) -> Evidence:
+        """Evidence of the response's residual."""
+        return self.evidences[0]
 
-    problem: Problem
-    effects: tuple[Effect, ...]
-    low: FloatArray
-    high: FloatArray
-    scale: FloatArray
-    reach: FloatArray
-    shape: Booleans
+    @property
+    def rmse(self) -> float:
+        """RMS of the response's residual, SI."""
+        return rms(self.residual)
 
-    def split(self, vector: FloatArray) -> tuple[FloatArray, tuple[Effect, ...]]:
-        """Return base coordinates and effects of a vector."""
-        size = len(self.problem.base)
-        effects, at = [], size
-        for effect in self.effects:
-            count = len(effect.parameters)
-            effects.append(effect.with_values(vector[at : at + count]))
-            at += count
-        return vector[:size], tuple(effects)
+    @property
+    def stacked(self) -> FloatArray:
+        """The whole residual."""
+        return np.concatenate(self.residuals)
 
-    def predicted(self, vector: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return fitted responses and tensions at a vector."""
-        coordinates, effects = self.split(vector)
-        return self.problem.fitted(self.problem.predict(coordinates, effects))
+
+def rms(values: FloatArray) -> float:
+    """Return the root mean square; 0 of nothing."""
+    return float(np.sqrt(np.mean(values**2))) if values.size else 0.0
 
 
 def fit(
@@ -97,172 +93,127 @@ def fit(
     effects: Sequence[Effect] = (),
     start: FloatArray | None = None,
     *,
-    steps: int = _ROUGH_STEPS,
-    polish: bool = True,
+    steps: int = ROUGH_STEPS,
+    until: Pass = "tight",
 ) -> Fit:
     """Fit base parameters and the parameters of ``effects`` from their current values.
 
-    A rough pass at the white level of the recording, then one at the colour that the rough pass left.
-
     Args:
         start: base coordinates to start from; as configured by default.
-        steps: limit of the rough pass. polish: whether the second pass is made.
+        steps: limit of the rough pass; none where the start is a fit already. until: the last pass that is made.
     """
-    ordered = tuple(effects)
-    space = _space(problem, ordered)
-    base = problem.configured() if start is None else start
-    vector = np.concatenate([base, *(np.array(effect.values()) for effect in ordered)])
-    vector = np.clip(vector, space.low, space.high)
-    weights = (problem.noise, problem.tension_noise or 1.0)
-    vector, jacobian, converged = _descend(space, vector, weights, (0, 0), min(steps, _SIZES_FIRST), ~space.shape)
-    if (steps > _SIZES_FIRST and np.any(space.shape)) or not converged:
-        vector, jacobian, converged = _descend(space, vector, weights, (0, 0), steps - min(steps, _SIZES_FIRST))
-    evidence, tension_evidence = _evidence(space, vector)
-    if polish:
-        weights = (max(evidence.level, 1e-15), max(tension_evidence.level, 1e-15))
-        colours = (evidence.colour, tension_evidence.colour)
-        vector, jacobian, fine = _descend(space, vector, weights, colours, _FINE_STEPS)
-        evidence, tension_evidence = _evidence(space, vector)
-        converged = converged or fine
-    response, tension = space.predicted(vector)
-    residual, tension_residual = problem.observed - response, problem.observed_tension - tension
-    coordinates, fitted = space.split(vector)
-    normal = jacobian.T @ jacobian
-    doubt = 1.0 + _MISFIT**2 * residual.size / _MISFIT_SHAPES
-    covariance = np.asarray(doubt * np.linalg.pinv(normal, hermitian=True), dtype=np.float64)
-    prior = -0.5 * float(np.sum(_prior_residual(problem, vector) ** 2))
-    margin = 1e-6 * (space.high - space.low)
-    touching = ((vector <= space.low + margin) | (vector >= space.high - margin)) & (space.high > space.low)
+    space = problem.space(effects)
+    base = np.array([c.inner(c.value) for c in space.base]) if start is None else start
+    weighing = _Weighing(problem, space)
+    vector = space.joined(base)
+    weighing.white(weighing.residual(vector))
+    first = min(steps, _SIZES_FIRST) if np.any(space.late & space.moving) else 0
+    if first:
+        vector = weighing.descend(vector, first, _ROUGH, ~space.late).x
+    found = weighing.descend(vector, steps - first, _ROUGH, space.moving)
+    if until != "rough":
+        weighing.coloured(_evidences(problem, weighing.unstacked(found)))
+        found = weighing.descend(found.x, _FINE_STEPS, _FINE, space.moving)
+    if until == "tight":
+        found = weighing.descend(found.x, _TIGHT_STEPS, _TIGHT, space.moving, central=True)
+    return _finished(weighing, found)
+
+
+class _Weighing:
+    """The residual of a problem in noise levels, decorrelated, with the priors below it; remembers the latest residual."""
+
+    def __init__(self, problem: Problem, space: ParameterSpace) -> None:
+        self.problem, self.space = problem, space
+        self.levels: list[float] = []
+        self.colours: list[int] = []
+        self._latest: tuple[FloatArray, FloatArray] | None = None
+        self.slopes: FloatArray | None = None
+
+    def white(self, start: FloatArray) -> None:
+        """Weigh by the rough noise, white."""
+        channels = self.problem.channels
+        self.levels = [max(c.level, c.loosened * rms(start[c.rows]), _SMALLEST_LEVEL) for c in channels]
+        self.colours = [0 for _ in channels]
+
+    def coloured(self, evidences: Sequence[Evidence]) -> None:
+        """Weigh by what a residual is as noise."""
+        self.levels = [max(evidence.level, _SMALLEST_LEVEL) for evidence in evidences]
+        self.colours = [evidence.colour for evidence in evidences]
+
+    def residual(self, vector: FloatArray) -> FloatArray:
+        """Return the raw residual at a vector."""
+        if self._latest is None or not np.array_equal(self._latest[0], vector):
+            self._latest = vector.copy(), self.problem.residuals([self.space.split(vector)])[0]
+        return self._latest[1]
+
+    def unstacked(self, found: Descent) -> tuple[FloatArray, ...]:
+        """Return the raw residual of each channel where a descent ended."""
+        raw = self.residual(found.x)
+        return tuple(raw[channel.rows] for channel in self.problem.channels)
+
+    def raw_slopes(self, vector: FloatArray, moving: Booleans, *, central: bool) -> FloatArray:
+        """Return the raw Jacobian, and remember it."""
+
+        def residuals(vectors: Sequence[FloatArray]) -> list[FloatArray]:
+            return self.problem.residuals([self.space.split(one) for one in vectors])
+
+        self.slopes = self.space.jacobian(residuals, vector, self.residual(vector), moving, central=central)
+        return self.slopes
+
+    def weighted(self, raw: FloatArray) -> FloatArray:
+        """Return values (n,) or (n, q) in noise levels, decorrelated."""
+        return np.concatenate(
+            [
+                channel.bank.whiten(raw[channel.rows] / level, colour)
+                for channel, level, colour in zip(self.problem.channels, self.levels, self.colours, strict=True)
+            ]
+        )
+
+    def descend(
+        self, vector: FloatArray, steps: int, tolerance: float, moving: Booleans, *, central: bool = False
+    ) -> Descent:
+        """Descend from a vector with the weights as they are."""
+        space = self.space
+        pull_slopes = space.pull_slopes * moving
+
+        def residual(x: FloatArray) -> FloatArray:
+            return np.concatenate([self.weighted(self.residual(x)), space.pull(x)])
+
+        def jacobian(x: FloatArray, _: FloatArray) -> FloatArray:
+            raw = self.raw_slopes(x, moving, central=central)
+            return np.concatenate([self.weighted(raw), pull_slopes])
+
+        return descend(
+            residual, jacobian, vector, space.low, space.high, steps=steps, tolerance=tolerance, reach=space.reach
+        )
+
+
+def _finished(weighing: _Weighing, found: Descent) -> Fit:
+    problem, space = weighing.problem, weighing.space
+    residuals = weighing.unstacked(found)
+    evidences = _evidences(problem, residuals)
+    # That of the last step: where a fit has settled it is the one here.
+    raw = weighing.slopes if weighing.slopes is not None else weighing.raw_slopes(found.x, space.moving, central=False)
+    weighing.coloured(evidences)
+    slopes = weighing.weighted(raw)[:, space.moving]
+    precision = slopes.T @ slopes / problem.misfit + np.diag(1.0 / space.spread[space.moving] ** 2)
+    unit = 1.0 / np.sqrt(np.diag(precision))
+    covariance = np.zeros((found.x.size, found.x.size))
+    inverse = np.linalg.inv(precision * np.outer(unit, unit)) * np.outer(unit, unit)
+    covariance[np.ix_(space.moving, space.moving)] = inverse
+    coordinates, effects = space.split(found.x)
     return Fit(
-        effects=fitted,
+        effects=effects,
         coordinates=coordinates,
         covariance=covariance,
-        evidence=evidence,
-        tension_evidence=tension_evidence,
-        log_likelihood=evidence.log_likelihood + tension_evidence.log_likelihood + prior,
-        rmse=float(np.sqrt(np.mean(residual**2))) if residual.size else 0.0,
-        residual=residual,
-        tension_residual=tension_residual,
-        at_bound=tuple(bool(t) for t in touching),
-        converged=converged,
+        evidences=evidences,
+        residuals=residuals,
+        jacobian=raw,
+        log_likelihood=sum(evidence.log_likelihood for evidence in evidences) + space.log_prior(found.x),
+        at_bound=space.touching(found.x),
+        converged=found.converged,
     )
 
 
-def _space(problem: Problem, effects: tuple[Effect, ...]) -> _Space:
-    low, high = problem.bounds()
-    spread = [0.1 if parameter.logarithmic else max(parameter.prior * 0.3, 1e-6) for parameter in problem.base]
-    lows, highs, reach, shape = [*low], [*high], [3.0 * s for s in spread], [False] * len(spread)
-    for place, own in enumerate(problem.base):
-        reach[place] = 0.7 if own.logarithmic else max(own.prior, 1e-6)
-    for effect in effects:
-        for parameter, value in zip(effect.parameters, effect.values(), strict=True):
-            pinned = parameter.needs is not None and not problem.holds.get(parameter.needs, True)
-            lows.append(parameter.null if pinned else parameter.low)
-            highs.append(parameter.null if pinned else parameter.high)
-            spread.append(max(abs(value), (parameter.high - parameter.low) * 1e-3))
-            shape.append(parameter.role == "shape")
-            reach.append(max(0.4 * abs(value), 0.05 * (parameter.high - parameter.low)) if shape[-1] else np.inf)
-    return _Space(problem, effects, np.array(lows), np.array(highs), np.array(spread), np.array(reach), np.array(shape))
-
-
-def _prior_residual(problem: Problem, vector: FloatArray) -> FloatArray:
-    size = len(problem.base)
-    width = np.array([parameter.prior for parameter in problem.base])
-    return np.asarray((vector[:size] - problem.configured()) / width) if size else np.zeros(0)
-
-
-def _weighted(space: _Space, vector: FloatArray, weights: tuple[float, float], colours: tuple[int, int]) -> FloatArray:
-    response, tension = space.predicted(vector)
-    problem = space.problem
-    return np.concatenate(
-        [
-            problem.bank.whiten((response - problem.observed) / weights[0], colours[0]),
-            problem.tension_bank.whiten((tension - problem.observed_tension) / weights[1], colours[1]),
-            _prior_residual(problem, vector),
-        ]
-    )
-
-
-def _descend(
-    space: _Space,
-    vector: FloatArray,
-    weights: tuple[float, float],
-    colours: tuple[int, int],
-    steps: int,
-    moving: Booleans | None = None,
-) -> tuple[FloatArray, FloatArray, bool]:
-    """Levenberg-Marquardt with steps kept inside the bounds; return vector, Jacobian and whether it settled.
-
-    Args:
-        moving: which parameters move; all by default.
-    """
-    free = np.ones(vector.size, bool) if moving is None else moving
-    residual = _weighted(space, vector, weights, colours)
-    cost = float(residual @ residual)
-    damping, jacobian, settled = 1e-3, np.zeros((residual.size, vector.size)), False
-    for _ in range(steps):
-        jacobian = _jacobian(space, vector, residual, weights, colours, free)
-        gradient = jacobian.T @ residual
-        blocked = ((vector <= space.low) & (gradient > 0)) | ((vector >= space.high) & (gradient < 0))
-        active = free & ~blocked
-        if not np.any(active):
-            settled = True
-            break
-        normal = jacobian[:, active].T @ jacobian[:, active]
-        diagonal = np.diag(normal).copy()
-        diagonal[diagonal <= 0.0] = 1.0
-        improved = False
-        for _ in range(6):
-            step = np.zeros_like(vector)
-            step[active] = -np.linalg.solve(normal + damping * np.diag(diagonal), gradient[active])
-            step = np.clip(step, -space.reach, space.reach)
-            trial = np.clip(vector + step, space.low, space.high)
-            trial_residual = _weighted(space, trial, weights, colours)
-            trial_cost = float(trial_residual @ trial_residual)
-            if trial_cost < cost:
-                improved = True
-                break
-            damping *= 6.0
-        if not improved:
-            settled = True
-            break
-        fall = (cost - trial_cost) / max(cost, 1e-300)
-        vector, residual, cost = trial, trial_residual, trial_cost
-        damping = max(damping / 8.0, 1e-9)
-        if fall < _GAIN:
-            settled = True
-            break
-    if not np.any(jacobian):
-        jacobian = _jacobian(space, vector, residual, weights, colours, free)
-    return vector, jacobian, settled
-
-
-def _jacobian(
-    space: _Space,
-    vector: FloatArray,
-    residual: FloatArray,
-    weights: tuple[float, float],
-    colours: tuple[int, int],
-    free: Booleans,
-) -> FloatArray:
-    columns = []
-    for place in range(vector.size):
-        if not free[place]:
-            columns.append(np.zeros_like(residual))
-            continue
-        step = _DIFFERENCE * space.scale[place]
-        if vector[place] + step > space.high[place]:
-            step = -step
-        moved = vector.copy()
-        moved[place] += step
-        columns.append((_weighted(space, moved, weights, colours) - residual) / step)
-    return np.stack(columns, axis=1) if columns else np.zeros((residual.size, 0))
-
-
-def _evidence(space: _Space, vector: FloatArray) -> tuple[Evidence, Evidence]:
-    response, tension = space.predicted(vector)
-    problem = space.problem
-    return (
-        problem.bank.evidence(problem.observed - response),
-        problem.tension_bank.evidence(problem.observed_tension - tension),
-    )
+def _evidences(problem: Problem, residuals: Sequence[FloatArray]) -> tuple[Evidence, ...]:
+    return tuple(channel.bank.evidence(residual) for channel, residual in zip(problem.channels, residuals, strict=True))

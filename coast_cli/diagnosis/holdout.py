@@ -1,50 +1,51 @@
-"""Which runs are kept back: those named, else chosen by a rule that is stated with the answer."""
+"""Kinds of rows: those that are fitted, and those kept back from every fit so that a verdict can rest on them."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from coast_cli.diagnosis.space import Booleans
 from coast_cli.errors import BadInput, nearest
-from coast_cli.recordings.model import JointRun
 
-Booleans = NDArray[np.bool_]
-_BLOCKS = 8
-_SHORTEST_FOR_BLOCKS = 48
-_FEWEST_IN_BRANCH = 8
-_LEAST_KEPT_BACK, _MOST_KEPT_BACK = 0.15, 0.6
+
+class Run(Protocol):
+    """A run by its name and number of rows."""
+
+    @property
+    def name(self) -> str:
+        """As in its file."""
+
+    def __len__(self) -> int:
+        """Return the number of rows."""
 
 
 @dataclass(frozen=True, slots=True)
 class HoldOut:
-    """Rows kept back, run by run, the names of the runs they make up, and the rule in words."""
+    """Rows of every run by kind.
+
+    Attributes:
+        rows: kept back, run by run. runs: names of the runs that they make up. rule: how they were chosen, in words.
+        chosen: by that rule; False where the user named them.
+    """
 
     rows: tuple[Booleans, ...]
     runs: tuple[str, ...]
     rule: str
     chosen: bool
 
+    @property
+    def fitted(self) -> tuple[Booleans, ...]:
+        """Rows that are fitted, run by run."""
+        return tuple(~rows for rows in self.rows)
 
-def hold_out(runs: Sequence[JointRun], named: Sequence[str] = ()) -> HoldOut:
-    """Return what to keep back.
-
-    Raises:
-        BadInput: a named run does not exist, or every run is named.
-    """
-    names = [run.name for run in runs]
-    check_named(names, named)
-    if named:
-        return _whole(runs, tuple(name for name in names if name in set(named)), "the runs named", chosen=False)
-    if len(runs) >= 3:
-        found = _expendable(runs)
-        if found:
-            rule = "the last runs whose bending length, pair and directions other runs also hold, a quarter at most"
-            return _whole(runs, found, rule, chosen=True)
-    return _after_first_cycle(runs) or _blocks(runs)
+    @property
+    def any(self) -> bool:
+        """Whether anything is kept back."""
+        return any(bool(rows.any()) for rows in self.rows)
 
 
 def check_named(names: Sequence[str], named: Sequence[str]) -> None:
@@ -66,56 +67,7 @@ def check_named(names: Sequence[str], named: Sequence[str]) -> None:
         raise BadInput("every run is held out, so none is left to fit", key="--hold-out", allowed="some of the runs")
 
 
-def _whole(runs: Sequence[JointRun], names: tuple[str, ...], rule: str, *, chosen: bool) -> HoldOut:
+def whole_runs(runs: Sequence[Run], names: Sequence[str], rule: str, *, chosen: bool) -> HoldOut:
+    """Return whole runs as kept back, by name."""
     rows = tuple(np.full(len(run), run.name in names) for run in runs)
-    return HoldOut(rows, names, rule, chosen)
-
-
-def _expendable(runs: Sequence[JointRun]) -> tuple[str, ...]:
-    """Return runs whose conditions are all met by runs that stay."""
-    wanted = max(1, len(runs) // 4)
-    kept = list(runs)
-    found: list[str] = []
-    for run in reversed(runs):
-        others = [other for other in kept if other is not run]
-        if len(found) < wanted and len(others) >= 2 and _conditions(run) <= set().union(*map(_conditions, others)):
-            kept = others
-            found.append(run.name)
-    return tuple(run.name for run in runs if run.name in found)
-
-
-def _conditions(run: JointRun) -> set[tuple[str, object]]:
-    length = round(float(np.median(run.bending_length)) * 1e4)
-    directions = {("direction", int(way)) for way in np.unique(run.direction) if int(np.sum(run.direction == way)) >= 3}
-    return {("length", length), ("pair", run.pair), *directions}
-
-
-def _after_first_cycle(runs: Sequence[JointRun]) -> HoldOut | None:
-    """Keep back what follows the first full cycle of a run, where that is a good part of it."""
-    rows, found = [], False
-    for run in runs:
-        held = np.zeros(len(run), bool)
-        ways = [
-            part for part in run.branches.parts if part.direction != 0 and part.stop - part.start >= _FEWEST_IN_BRANCH
-        ]
-        turns = [part.start for before, part in pairwise(ways) if part.direction != before.direction]
-        after = turns[1] if len(turns) >= 2 else len(run)
-        if (1.0 - _MOST_KEPT_BACK) * len(run) <= after <= (1.0 - _LEAST_KEPT_BACK) * len(run):
-            held[after:] = True
-            found = True
-        rows.append(held)
-    rule = (
-        "what follows the first full cycle, as no whole run can be spared; this is weaker than a run that was not seen"
-    )
-    return HoldOut(tuple(rows), (), rule, chosen=True) if found else None
-
-
-def _blocks(runs: Sequence[JointRun]) -> HoldOut:
-    """Keep back two blocks in eight of every long run; the history between them is still simulated."""
-    rows = []
-    for run in runs:
-        block = np.arange(len(run)) * _BLOCKS // max(len(run), 1)
-        held = np.isin(block, (2, 5)) if len(run) >= _SHORTEST_FOR_BLOCKS else np.zeros(len(run), bool)
-        rows.append(held)
-    rule = "blocks of every run, as no whole run can be spared; this is weaker than a run that was not seen"
-    return HoldOut(tuple(rows), (), rule, chosen=True)
+    return HoldOut(rows, tuple(run.name for run in runs if run.name in names), rule, chosen)

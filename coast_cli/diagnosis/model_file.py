@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 import tomli_w
 
 from coast_cli import __version__
-from coast_cli.diagnosis.problem import CONFIG_KEYS
+from coast_cli.diagnosis.joint.problem import CONFIG_KEYS
 
 if TYPE_CHECKING:
     from coast_cli.diagnosis.answer import Diagnosis
-    from coast_cli.diagnosis.calibration import Calibration
+    from coast_cli.diagnosis.joint.calibration import Calibration
     from coast_cli.diagnosis.spread import Spread
     from coast_cli.effects.effect import Effect
     from coast_cli.recordings.model import Recordings

@@ -23,7 +23,7 @@ def diagnose(
     """
     _check_names(recordings, named_hold_out)
     if recordings.joint is not None:
-        from coast_cli.diagnosis.diagnose import diagnose_joint
+        from coast_cli.diagnosis.joint import diagnose_joint
 
         _check_one_kind(recordings.joint.runs)
         _check_units(config, recordings.joint.runs)

@@ -15,12 +15,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from coast_cli.diagnosis.answer import Carried, Diagnosis, Level, Shared, Value
-from coast_cli.diagnosis.diagnose import diagnose_joint
-from coast_cli.diagnosis.errors import errors_of
 from coast_cli.diagnosis.fit import Fit, fit
-from coast_cli.diagnosis.holdout import hold_out
+from coast_cli.diagnosis.joint import diagnose_joint
+from coast_cli.diagnosis.joint.build import build_joint_problem
+from coast_cli.diagnosis.joint.errors import errors_of
+from coast_cli.diagnosis.joint.holdout import hold_out
+from coast_cli.diagnosis.joint.problem import JointProblem
 from coast_cli.diagnosis.model_file import model_text
-from coast_cli.diagnosis.problem import Problem, build_problem
 from coast_cli.diagnosis.shapes import diagnose_shapes
 from coast_cli.effects.catalogue import CATALOGUE
 from coast_cli.effects.shapes.catalogue import SHAPE_CATALOGUE
@@ -113,7 +114,7 @@ class _Levels:
     def __init__(self, config: Config, recordings: Recordings, named: Sequence[str]) -> None:
         runs = recordings.joint.runs if recordings.joint is not None else ()
         kept_back = hold_out(runs, named)
-        self.problem: Problem = build_problem(config, runs, kept_back.rows)
+        self.problem: JointProblem = build_joint_problem(config, runs, kept_back.rows)
         self.fit: Fit = fit(self.problem)
         found = []
         for coordinates in (self.problem.configured(), self.fit.coordinates):

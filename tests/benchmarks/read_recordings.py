@@ -11,8 +11,8 @@ from time import perf_counter
 
 import numpy as np
 
-from coast_cli.diagnosis.calibration import calibrate
 from coast_cli.diagnosis.compare import compare
+from coast_cli.diagnosis.joint.calibration import calibrate
 from coast_cli.mechanics.joint import curvature_from_stroke
 from coast_cli.recordings.read import read_recordings
 from coast_cli.spec.build import build_joint

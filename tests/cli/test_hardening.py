@@ -19,7 +19,7 @@ EXPLORED = ROOT / "examples" / "explore.toml"
 # Ctrl-C after a share of a second of work, however busy the machine is: the clock is the process's own.
 INTERRUPTED = """
 import os, signal, sys
-import coast_cli.diagnosis.diagnose, coast_cli.design.tolerance, coast_cli.design.exploration
+import coast_cli.diagnosis.joint, coast_cli.design.tolerance, coast_cli.design.exploration
 from coast_cli.__main__ import main
 signal.signal(signal.SIGVTALRM, lambda *_: os.kill(os.getpid(), signal.SIGINT))
 signal.setitimer(signal.ITIMER_VIRTUAL, float(sys.argv[1]))

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from coast_cli.diagnosis.answer import Diagnosis
-from coast_cli.diagnosis.diagnose import diagnose_joint
+from coast_cli.diagnosis.joint import diagnose_joint
 from coast_cli.recordings.model import JointRun
 from coast_cli.spec.config import Config
 from coast_cli.spec.load import REFERENCE, load_config, load_config_text

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from coast_cli.diagnosis.calibration import calibrate
+from coast_cli.diagnosis.joint.calibration import calibrate
 from coast_cli.effects.effect import History
 from coast_cli.effects.forward import Layout, predict
 from coast_cli.recordings.read import read_recordings

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from coast_cli.diagnosis.compare import compare
-from coast_cli.diagnosis.diagnose import diagnose_joint
 from coast_cli.diagnosis.fit import fit
-from coast_cli.diagnosis.holdout import hold_out
+from coast_cli.diagnosis.joint import diagnose_joint
+from coast_cli.diagnosis.joint.build import build_joint_problem
+from coast_cli.diagnosis.joint.holdout import hold_out
 from coast_cli.diagnosis.model_file import model_text
-from coast_cli.diagnosis.problem import build_problem
 from coast_cli.recordings.read import read_recordings
 from coast_cli.spec.load import load_config, load_config_text
 
@@ -151,7 +151,7 @@ def error_on_c(config):
 
 def modulus_of_a():
     config, recordings = wrist("A")
-    problem = build_problem(config, recordings.joint.runs)
+    problem = build_joint_problem(config, recordings.joint.runs)
     return problem.values(fit(problem).coordinates)["youngs_modulus_gpa"]
 
 

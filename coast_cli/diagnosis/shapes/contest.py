@@ -11,10 +11,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from coast_cli.diagnosis.contest import SMALLEST, THRESHOLD
 from coast_cli.diagnosis.shapes.fit import Fit, Space, fit
 from coast_cli.diagnosis.shapes.forward import Job
 from coast_cli.diagnosis.shapes.problem import Problem
+from coast_cli.diagnosis.thresholds import EFFECT_NATS as THRESHOLD
+from coast_cli.diagnosis.thresholds import SMALLEST
 from coast_cli.effects.shapes.catalogue import SHAPE_CATALOGUE, in_order
 from coast_cli.effects.shapes.effect import ShapeEffect
 from coast_cli.mechanics.section import FloatArray

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coast_cli.diagnosis.likelihood import Evidence
+from coast_cli.diagnosis.noise_model import Evidence
 from coast_cli.diagnosis.shapes.forward import Job
 from coast_cli.diagnosis.shapes.problem import Problem
 from coast_cli.effects.shapes.effect import ShapeEffect

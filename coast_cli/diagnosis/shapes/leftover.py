@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coast_cli.diagnosis.likelihood import NoiseBank
+from coast_cli.diagnosis.noise_model import NoiseBank
 from coast_cli.diagnosis.shapes.fit import Fit
 from coast_cli.diagnosis.shapes.problem import Problem
 from coast_cli.mechanics.section import FloatArray

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from coast_cli.diagnosis.likelihood import NoiseBank
+from coast_cli.diagnosis.noise_model import NoiseBank
 from coast_cli.diagnosis.shapes.forward import Forward, Job, State, misfit
 from coast_cli.diagnosis.shapes.photograph import Photograph, photographs, usual_sign
 from coast_cli.effects.shapes.catalogue import build_shape_effects, in_order

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from coast_cli.diagnosis.problem import Problem
+from coast_cli.diagnosis.joint.problem import JointProblem
 from coast_cli.effects.effect import History
 from coast_cli.effects.memory import follow
 from coast_cli.effects.unnamed import Memory, Place, UnnamedLaw, Variable, basis, remember, variable_of
@@ -57,7 +57,7 @@ class Scene:
         problem: the recording. responses, tensions: of the model, for every run (n, k) and (n,).
     """
 
-    def __init__(self, problem: Problem, responses: list[FloatArray], tensions: list[FloatArray]) -> None:
+    def __init__(self, problem: JointProblem, responses: list[FloatArray], tensions: list[FloatArray]) -> None:
         self.problem, self.responses, self.tensions = problem, responses, tensions
         self.histories = [
             History(

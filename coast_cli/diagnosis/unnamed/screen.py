@@ -15,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from coast_cli.diagnosis.fit import Fit
-from coast_cli.diagnosis.likelihood import COLOURS
-from coast_cli.diagnosis.problem import Problem
+from coast_cli.diagnosis.joint.problem import JointProblem
+from coast_cli.diagnosis.noise_model import COLOURS
 from coast_cli.diagnosis.unnamed.cells import Cell, Scene, cells_of
 from coast_cli.effects.effect import Effect, History, Segment
 from coast_cli.effects.unnamed import Place
@@ -127,7 +127,7 @@ class Screened:
         return float((1 + np.sum(self.by_chance >= self.evidence)) / (1 + self.by_chance.size))
 
 
-def noise_colour(problem: Problem) -> int:
+def noise_colour(problem: JointProblem) -> int:
     """Return the noise model's colour that is nearest to what the recording itself shows."""
     estimate = problem.noise_estimate
     wanted = estimate.correlation, 1.0 - estimate.white_share if estimate.memory > 0.0 else 0.0
@@ -139,7 +139,7 @@ def noise_colour(problem: Problem) -> int:
     return int(np.argmin(distance))
 
 
-def screen_laws(problem: Problem, fitted: Fit, *, draws: int = DRAWS, seed: int = 0) -> Screened:
+def screen_laws(problem: JointProblem, fitted: Fit, *, draws: int = DRAWS, seed: int = 0) -> Screened:
     """Return the laws that what a fit leaves asks for.
 
     Args:
@@ -168,9 +168,9 @@ def screen_laws(problem: Problem, fitted: Fit, *, draws: int = DRAWS, seed: int 
 class Design:
     """Every cell's functions as columns over the fitted rows, whitened, with what other parameters follow taken out."""
 
-    def __init__(self, problem: Problem, fitted: Fit) -> None:
+    def __init__(self, problem: JointProblem, fitted: Fit) -> None:
         self.problem = problem
-        self.colours = noise_colour(problem), fitted.tension_evidence.colour
+        self.colours = noise_colour(problem), fitted.evidences[-1].colour
         self.levels = (
             max(problem.noise_estimate.level, 1e-15),
             max(problem.tension_noise or 1.0, 1e-15),

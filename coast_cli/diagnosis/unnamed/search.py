@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from coast_cli.diagnosis.fit import Fit, fit
-from coast_cli.diagnosis.problem import Problem
+from coast_cli.diagnosis.joint.problem import JointProblem
 from coast_cli.diagnosis.unnamed.screen import Candidate, Screened, noise_colour
 from coast_cli.effects.catalogue import in_order
 from coast_cli.effects.unnamed import Memory, Place, UnnamedLaw, Variable
@@ -49,7 +49,7 @@ class LawFit:
         return float(0.5 * (self.misfit * fitted + self.unseen * chosen) + price)
 
 
-def misfit(problem: Problem, fitted: Fit) -> tuple[float, int]:
+def misfit(problem: JointProblem, fitted: Fit) -> tuple[float, int]:
     """Return the mean squared whitened residual of a problem's fitted rows, 1 at the recording's own noise, and their count."""
     response, tension = problem.fitted(problem.predict(fitted.coordinates, fitted.effects))
     level = max(problem.noise_estimate.level, 1e-15)
@@ -62,7 +62,13 @@ def misfit(problem: Problem, fitted: Fit) -> tuple[float, int]:
 
 
 def refit_laws(
-    problem: Problem, choosing: Problem, fitted: Fit, screened: Screened, *, number: int = 1, most: int = MOST_KINDS
+    problem: JointProblem,
+    choosing: JointProblem,
+    fitted: Fit,
+    screened: Screened,
+    *,
+    number: int = 1,
+    most: int = MOST_KINDS,
 ) -> tuple[LawFit, ...]:
     """Return the most promising laws as fitted in free run, least surprise first.
 

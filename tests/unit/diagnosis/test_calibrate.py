@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from coast_cli.diagnosis.calibrate import calibratable, fit, pose
-from coast_cli.diagnosis.calibration import calibrate
-from coast_cli.diagnosis.problem import with_base
+from coast_cli.diagnosis.joint.calibrate import calibratable, fit, pose
+from coast_cli.diagnosis.joint.calibration import calibrate
+from coast_cli.diagnosis.joint.problem import with_base
 from coast_cli.errors import BadInput
 from coast_cli.mechanics.joint import curvature_from_stroke, tension
 from coast_cli.recordings.model import JointRun, Recording, Recordings

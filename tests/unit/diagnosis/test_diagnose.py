@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from coast_cli.diagnosis.diagnose import diagnose_joint
+from coast_cli.diagnosis.joint import diagnose_joint
 from coast_cli.effects.backlash import Backlash
 from coast_cli.effects.camera_offset import CameraOffset
 from coast_cli.effects.notch_closure import NotchClosure

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from coast_cli.diagnosis.errors import errors_of, pooled_errors, tip_of, to_unit
+from coast_cli.diagnosis.joint.errors import errors_of, pooled_errors, tip_of, to_unit
 from coast_cli.effects.forward import Prediction
 from coast_cli.mechanics.joint import tip
 from tests.modelled_joint import make_run, problem_of, recording

@@ -123,7 +123,7 @@ def test_coloured_noise_widens_the_uncertainty():
 
 def test_a_tension_witness_counts_in_the_likelihood():
     found = fit(problem_of(recording(noise=NOISE, witness=True)))
-    assert found.tension_residual.size > 0
-    assert found.tension_evidence.level == pytest.approx(0.01, rel=0.2)
-    prior_free = found.evidence.log_likelihood + found.tension_evidence.log_likelihood
+    assert found.residuals[1].size > 0
+    assert found.evidences[1].level == pytest.approx(0.01, rel=0.2)
+    prior_free = found.evidence.log_likelihood + found.evidences[1].log_likelihood
     assert prior_free - 5.0 < found.log_likelihood <= prior_free

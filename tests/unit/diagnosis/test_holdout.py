@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from coast_cli.diagnosis.holdout import hold_out
+from coast_cli.diagnosis.joint.holdout import hold_out
 from coast_cli.errors import BadInput
 from tests.modelled_joint import TOP, cycle, make_run
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from coast_cli.diagnosis.likelihood import COLOURS, SMOOTH, NoiseBank
+from coast_cli.diagnosis.noise_model import COLOURS, SMOOTH, NoiseBank
 from tests.modelled_joint import coloured
 
 

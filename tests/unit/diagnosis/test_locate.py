@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from coast_cli.diagnosis.fit import fit
-from coast_cli.diagnosis.locate import locate
+from coast_cli.diagnosis.joint.axes import locate_joint
 from coast_cli.effects.backlash import Backlash
 from coast_cli.effects.capstan_hysteresis import CapstanHysteresis
 from coast_cli.effects.coulomb_friction import CoulombFriction
@@ -15,7 +15,7 @@ from tests.modelled_joint import TOP, problem_of, recording
 
 def regions(runs):
     problem = problem_of(runs)
-    return locate(problem, fit(problem))
+    return locate_joint(problem, fit(problem))
 
 
 def region_of(found, axis):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from coast_cli.diagnosis.loop import widest_loop
+from coast_cli.diagnosis.joint.loop import widest_loop
 from coast_cli.effects.backlash import Backlash
 from coast_cli.effects.capstan_hysteresis import CapstanHysteresis
 from coast_cli.effects.effect import History

@@ -7,9 +7,9 @@ import pytest
 from scipy.optimize import least_squares
 
 from coast_cli.diagnosis.fit import fit
-from coast_cli.diagnosis.plan import _posed, around, next_recording, outlook
-from coast_cli.diagnosis.problem import build_problem
-from coast_cli.diagnosis.protocols import Bench, planned, standard
+from coast_cli.diagnosis.joint.build import build_joint_problem
+from coast_cli.diagnosis.joint.plan import _posed, around, next_recording, outlook
+from coast_cli.diagnosis.joint.protocols import Bench, planned, standard
 from coast_cli.effects.catalogue import CATALOGUE
 
 NOISE = 0.25
@@ -87,7 +87,7 @@ def rivals(config):
     problem = problem_of(config)
     clean = problem.predict(problem.configured(), (CATALOGUE["backlash"](width_mm=0.06),))
     noise = np.random.default_rng(1).normal(size=clean[0].response.shape)
-    recorded = build_problem(config, [replace(problem.runs[0], response=clean[0].response + NOISE * noise)])
+    recorded = build_joint_problem(config, [replace(problem.runs[0], response=clean[0].response + NOISE * noise)])
     starts = (CATALOGUE["backlash"](width_mm=0.05), CATALOGUE["capstan_hysteresis"](pulley_friction=0.02))
     return recorded, [fit(recorded, (start,)) for start in starts]
 

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from coast_cli.diagnosis.problem import build_problem, with_base
+from coast_cli.diagnosis.joint.build import build_joint_problem
+from coast_cli.diagnosis.joint.problem import with_base
 from coast_cli.effects.backlash import Backlash
 from coast_cli.effects.camera_offset import CameraOffset
 from coast_cli.errors import BadInput
@@ -31,7 +32,7 @@ def test_free_parameters_are_those_that_the_recording_can_tell():
 
 def test_bounds_given_in_the_configuration_hold():
     text = TEXT.replace("youngs_modulus_gpa = 42.6 ", "youngs_modulus_gpa = { value = 42.6, min = 40.0, max = 45.0 } ")
-    problem = build_problem(load_config_text(text, "t.toml"), recording())
+    problem = build_joint_problem(load_config_text(text, "t.toml"), recording())
     modulus = problem.base[0]
     assert (modulus.value, modulus.low, modulus.high) == (42.6, 40.0, 45.0)
     low, high = problem.bounds()
@@ -98,7 +99,7 @@ def test_effects_change_the_prediction_and_corrections_are_always_there():
     shifted = problem.fitted(problem.predict(problem.configured(), (CameraOffset(offset=2.0),)))[0]
     assert shifted == pytest.approx(plain + 2.0)
     text = TEXT + "\n[corrections.camera_offset]\noffset = 2.0\n"
-    corrected = build_problem(load_config_text(text, "t.toml"), runs)
+    corrected = build_joint_problem(load_config_text(text, "t.toml"), runs)
     assert corrected.fitted(corrected.predict(corrected.configured(), ()))[0] == pytest.approx(plain + 2.0)
 
 
@@ -117,4 +118,4 @@ def test_a_stroke_without_a_tendon_is_refused():
     before, after = text.split("[tendon]")
     config = load_config_text(before + "[joint]" + after.split("[joint]")[1], "t.toml")
     with pytest.raises(BadInput, match="a stroke needs a tendon"):
-        build_problem(config, recording())
+        build_joint_problem(config, recording())

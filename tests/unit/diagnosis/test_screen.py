@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from coast_cli.diagnosis.screen import screened
+from coast_cli.diagnosis.joint.outliers import screened
 
 NOISE = 0.1
 

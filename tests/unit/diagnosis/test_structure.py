@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from coast_cli.diagnosis.fit import fit
-from coast_cli.diagnosis.structure import find_structure
+from coast_cli.diagnosis.joint.structure import find_structure
 from coast_cli.effects.backlash import Backlash
 from tests.modelled_joint import problem_of, recording
 

@@ -49,7 +49,7 @@ def test_two_lengths_close_together_and_four_released_samples():
 
 
 def test_the_diagnosis_asks_the_same_of_its_runs(config):
-    from coast_cli.diagnosis.problem import build_problem
+    from coast_cli.diagnosis.joint.build import build_joint_problem
 
     for released in (1, 2, 3, 4, 20):
         for ratio in (1.0, 0.97, 0.94, 0.5):
@@ -59,7 +59,7 @@ def test_the_diagnosis_asks_the_same_of_its_runs(config):
                 run(drive, clock, length=0.04),
                 run(drive, clock, length=0.04 * ratio, name="b"),
             ]
-            problem = build_problem(config, runs)
+            problem = build_joint_problem(config, runs)
             held = evidence_of(runs)
             assert problem.holds["release"] == held.has_release
             assert problem.holds["rates"] == held.has_rates

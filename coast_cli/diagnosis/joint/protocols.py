@@ -13,7 +13,7 @@ from coast_cli.recordings.model import JointRun, ResponseKind
 from coast_cli.units import MILLIMETRE
 
 if TYPE_CHECKING:
-    from coast_cli.diagnosis.problem import Problem
+    from coast_cli.diagnosis.joint.problem import JointProblem
     from coast_cli.mechanics.section import FloatArray
     from coast_cli.spec.config import Config
 
@@ -164,13 +164,13 @@ def candidates(
     return found
 
 
-def planned(config: Config, runs: Iterable[JointRun], noise: float, tension_noise: float | None) -> Problem:
+def planned(config: Config, runs: Iterable[JointRun], noise: float, tension_noise: float | None) -> JointProblem:
     """Return the problem that a plan will pose: responses as the configured model expects them, without noise.
 
     Args:
         noise: of the response, SI. tension_noise: N, where tension is recorded beside the stroke.
     """
-    from coast_cli.diagnosis.problem import build_problem
+    from coast_cli.diagnosis.joint.build import build_joint_problem
     from coast_cli.spec.build import build_joint
 
     rough = []
@@ -181,10 +181,10 @@ def planned(config: Config, runs: Iterable[JointRun], noise: float, tension_nois
         else:
             bent = run.drive / tension_at(joint, 1.0, run.bending_length)
         rough.append(replace(run, response=_as_response(run, np.minimum(bent, joint.closure_curvature))))
-    return expected(build_problem(config, rough), noise, tension_noise)
+    return expected(build_joint_problem(config, rough), noise, tension_noise)
 
 
-def expected(problem: Problem, noise: float, tension_noise: float | None) -> Problem:
+def expected(problem: JointProblem, noise: float, tension_noise: float | None) -> JointProblem:
     """Return a problem whose runs hold what its model predicts, every sample usable."""
     tension_noise = (
         tension_noise if all(run.stroke is not None and run.tension is not None for run in problem.runs) else None

@@ -15,9 +15,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from coast_cli.diagnosis.joint.build import build_joint_problem
+from coast_cli.diagnosis.joint.problem import CONFIG_KEYS, JointProblem
 from coast_cli.diagnosis.least_squares import FitResult, Residual, least_squares, profile_interval
-from coast_cli.diagnosis.likelihood import COLOURS, NoiseBank
-from coast_cli.diagnosis.problem import CONFIG_KEYS, Problem, build_problem
+from coast_cli.diagnosis.noise_model import COLOURS, NoiseBank
 from coast_cli.errors import BadInput, nearest
 
 if TYPE_CHECKING:
@@ -148,7 +149,7 @@ class Posed:
     """Parameters and the runs that they are fitted to, those of one kind together."""
 
     parameters: tuple[Parameter, ...]
-    problems: tuple[Problem, ...]
+    problems: tuple[JointProblem, ...]
 
     def values(self, coordinates: Floats, held: Mapping[str, float]) -> dict[str, float]:
         """Return all values by name."""
@@ -201,7 +202,7 @@ def pose(config: Config, runs: Sequence[JointRun], parameters: Sequence[Paramete
     for run in runs:
         kind = (run.kind, run.response.shape[1], run.stroke is None, run.tension is None)
         kinds.setdefault(kind, []).append(run)
-    return Posed(tuple(parameters), tuple(build_problem(config, members) for members in kinds.values()))
+    return Posed(tuple(parameters), tuple(build_joint_problem(config, members) for members in kinds.values()))
 
 
 def fit(posed: Posed, start: Mapping[str, float] | None = None) -> Fitted:

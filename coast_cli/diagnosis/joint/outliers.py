@@ -11,9 +11,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from coast_cli.diagnosis.thresholds import FEWEST_TO_SCREEN, OUTLIER_MOVED, OUTLIER_NOISE, OUTLIER_SPREAD
 from coast_cli.mechanics.section import FloatArray
-
-_FEWEST_TO_SCREEN = 7
 
 
 def screened(
@@ -27,13 +26,13 @@ def screened(
         good = np.isfinite(values)
         for column in range(values.shape[1]):
             rows = np.flatnonzero(good[:, column])
-            if rows.size < _FEWEST_TO_SCREEN:
+            if rows.size < FEWEST_TO_SCREEN:
                 continue
             series, behind = values[rows, column], drive[rows]
             moved = float(np.ptp(series)) / max(float(np.ptp(behind)), 1e-300) * _alone(behind)
             spread = float(np.median(np.abs(np.diff(series))))
             lonely = np.minimum(_alone(series), _beside(series, behind))
-            good[rows[lonely > 7.0 * level + 0.5 * spread + 2.0 * moved], column] = False
+            good[rows[lonely > OUTLIER_NOISE * level + OUTLIER_SPREAD * spread + OUTLIER_MOVED * moved], column] = False
         usable.append(good)
     return usable, level
 

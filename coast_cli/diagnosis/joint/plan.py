@@ -12,11 +12,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from coast_cli.diagnosis.contest import SMALLEST, THRESHOLD, applicable, starts_of
-from coast_cli.diagnosis.problem import Problem
-from coast_cli.diagnosis.protocols import Bench, Protocol, candidates, expected
+from coast_cli.diagnosis.joint.candidates import applicable, starts_of
+from coast_cli.diagnosis.joint.problem import JointProblem
+from coast_cli.diagnosis.joint.protocols import Bench, Protocol, candidates, expected
+from coast_cli.diagnosis.thresholds import EFFECT_NATS, SMALLEST
 from coast_cli.effects.catalogue import CATALOGUE
-from coast_cli.effects.effect import Effect
+from coast_cli.effects.effect import Effect, Need
 
 if TYPE_CHECKING:
     from coast_cli.diagnosis.fit import Fit
@@ -74,7 +75,7 @@ class Proposal:
     gain: float
 
 
-def outlook(problem: Problem, size: float = 5.0) -> list[Outlook]:
+def outlook(problem: JointProblem, size: float = 5.0) -> list[Outlook]:
     """Return what a planned recording could tell of every effect of the catalogue.
 
     Args:
@@ -122,7 +123,7 @@ def outlook(problem: Problem, size: float = 5.0) -> list[Outlook]:
 
 
 def next_recording(
-    problem: Problem, rivals: Sequence[Fit], offered: Sequence[Protocol] | None = None
+    problem: JointProblem, rivals: Sequence[Fit], offered: Sequence[Protocol] | None = None
 ) -> tuple[Proposal, ...]:
     """Return recordings that would tell rivals apart, the best first; none for fewer than two rivals.
 
@@ -153,7 +154,7 @@ def next_recording(
     return tuple(sorted(proposals, key=lambda proposal: -proposal.gain))
 
 
-def around(problem: Problem) -> list[Protocol]:
+def around(problem: JointProblem) -> list[Protocol]:
     """Return the protocols that could follow a recording: its tubes, its response, its range and rate."""
     first = problem.runs[0]
     drives = np.concatenate([run.drive for run in problem.runs])
@@ -175,7 +176,7 @@ def around(problem: Problem) -> list[Protocol]:
     return [protocol for protocol in found if len({float(run.bending_length[0]) for run in protocol.runs}) == 1]
 
 
-def _rate(problem: Problem, span: float) -> float:
+def _rate(problem: JointProblem, span: float) -> float:
     """Return the usual speed of the drive (SI per s), or a minute for the whole range where time is not known."""
     speeds = [
         np.abs(np.diff(run.drive))[steps > 0.0] / steps[steps > 0.0]
@@ -188,7 +189,7 @@ def _rate(problem: Problem, span: float) -> float:
     return float(np.median(moving)) if moving.size else span / 60.0
 
 
-def _posed(problem: Problem, protocol: Protocol, noise: float) -> Problem:
+def _posed(problem: JointProblem, protocol: Protocol, noise: float) -> JointProblem:
     """Return the same joints and free parameters on the runs of a protocol."""
     posed = replace(problem, runs=protocol.runs, train=(), usable=(), tension_usable=())
     predicted = posed.predict(problem.configured(), ())
@@ -208,7 +209,7 @@ def _misfit(parts: Sequence[_Pairwise], true: int, other: int) -> float:
 class _Pairwise:
     """Predictions and tangents of every rival on one recording, in noise levels."""
 
-    def __init__(self, problem: Problem, rivals: Sequence[Fit]) -> None:
+    def __init__(self, problem: JointProblem, rivals: Sequence[Fit]) -> None:
         self.predicted = [_stacked(problem, fit.coordinates, fit.effects) for fit in rivals]
         # A parameter on its bound stays there, or the refit would leave what can be believed.
         self.tangents = [
@@ -241,7 +242,7 @@ class _Shape:
 class _View:
     """A planned recording seen from the base model: predictions in noise levels, base parameters projected out."""
 
-    def __init__(self, problem: Problem) -> None:
+    def __init__(self, problem: JointProblem) -> None:
         self._problem = problem
         self._start = problem.configured()
         self._origin = _stacked(problem, self._start, ())
@@ -292,13 +293,13 @@ class _View:
         return _Shape(effect, change, basis, triangle, bounds[0], np.maximum(bounds[1], bounds[0] + 1e-12))
 
 
-def _stacked(problem: Problem, coordinates: FloatArray, effects: Sequence[Effect]) -> FloatArray:
+def _stacked(problem: JointProblem, coordinates: FloatArray, effects: Sequence[Effect]) -> FloatArray:
     """Return predicted responses and then tensions, in noise levels."""
     response, tension = problem.fitted(problem.predict(coordinates, effects))
     return np.concatenate([response / problem.noise, tension / (problem.tension_noise or 1.0)])
 
 
-def _tangent(problem: Problem, coordinates: FloatArray, effects: Sequence[Effect]) -> FloatArray:
+def _tangent(problem: JointProblem, coordinates: FloatArray, effects: Sequence[Effect]) -> FloatArray:
     """Return how the prediction moves with every base and effect parameter, (n, q)."""
     origin, columns = _stacked(problem, coordinates, effects), []
     for place in range(coordinates.size):
@@ -327,22 +328,15 @@ def _times(effect: Effect, factor: float) -> Effect:
 
 def _counts(level: float, count: int) -> bool:
     """Return whether an RMS in noise levels is large enough, and has evidence enough, to be named."""
-    return level >= SMALLEST and 0.5 * count * level**2 >= THRESHOLD
+    return level >= SMALLEST and 0.5 * count * level**2 >= EFFECT_NATS
 
 
-def _reason(kind: type[Effect], problem: Problem) -> str:
+def _reason(kind: type[Effect], problem: JointProblem) -> str:
     if kind.id in {effect.id for effect in problem.fixed_effects}:
         return "already in the model"
     lacking = [_MISSING[need] for need in kind.needs if need in _MISSING and not _has(need, problem)]
     return lacking[0] if lacking else "changes nothing here"
 
 
-def _has(need: str, problem: Problem) -> bool:
-    runs = problem.runs
-    return {
-        "stroke": runs[0].stroke is not None,
-        "time": all(run.time is not None for run in runs),
-        "release": any(int(np.sum(run.direction < 0)) >= 3 for run in runs),
-        "pairs": False,
-        "outer": any(run.outer is not None for run in runs),
-    }[need]
+def _has(need: Need, problem: JointProblem) -> bool:
+    return need != "pairs" and problem.holds.get(need, True)

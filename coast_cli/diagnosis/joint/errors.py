@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from coast_cli.diagnosis.fit import Fit
-from coast_cli.diagnosis.problem import Problem
+from coast_cli.diagnosis.answer import Errors
+from coast_cli.diagnosis.fit import Fit, rms
+from coast_cli.diagnosis.joint.problem import JointProblem
+from coast_cli.diagnosis.space import Booleans
 from coast_cli.effects.effect import Effect
 from coast_cli.effects.forward import Prediction
 from coast_cli.mechanics.joint import tip
@@ -20,61 +20,32 @@ from coast_cli.units import DEGREE, MILLIMETRE
 UNITS = {"curvature": "curvature_per_m", "bend": "bend_deg", "notch": "notch_deg"}
 
 
-@dataclass(frozen=True, slots=True)
-class Errors:
-    """RMS errors: of the response in its table unit, of the tip in mm; and over how many samples."""
-
-    count: int
-    response: float
-    tip_mm: float
-
-
 def to_unit(kind: str, value: float) -> float:
     """Return an SI response as its table unit: 1/m, or degrees."""
     return value if kind == "curvature" else value / DEGREE
 
 
 def errors_of(
-    problem: Problem, coordinates: FloatArray, effects: Sequence[Effect], rows: Sequence[NDArray[np.bool_]]
+    problem: JointProblem, coordinates: FloatArray, effects: Sequence[Effect], rows: Sequence[Booleans]
 ) -> Errors:
     """Return the errors of a model on the given rows of every run, outliers and dropped frames left out."""
     return pooled_errors(problem, problem.predict(coordinates, effects), rows)
 
 
-def held_out_spread(problem: Problem, fitted: Fit, rows: Sequence[NDArray[np.bool_]]) -> float:
+def held_out_spread(problem: JointProblem, fitted: Fit, rows: Sequence[Booleans]) -> float:
     """Return how far predictions on some rows are unsure because the fitted parameters are, RMS in the table's unit."""
-    whole = problem.only(rows)
-    origin, _ = whole.fitted(whole.predict(fitted.coordinates, fitted.effects))
-    columns = []
-    for place, std in enumerate(np.sqrt(np.maximum(np.diagonal(fitted.covariance), 0.0))):
-        step = 0.1 * float(std)
-        coordinates, effects = _stepped(fitted, place, step)
-        moved, _ = whole.fitted(whole.predict(coordinates, effects))
-        columns.append((moved - origin) / step if step > 0.0 else np.zeros_like(origin))
-    tangents = np.stack(columns, axis=1)
-    variance = np.einsum("ij,jk,ik->i", tangents, fitted.covariance, tangents)
+    unseen = problem.only(rows)
+    space = unseen.space(fitted.effects)
+    vector = space.joined(fitted.coordinates)
+    here = unseen.residuals([space.split(vector)])[0]
+    slopes = space.jacobian(
+        lambda vectors: unseen.residuals([space.split(one) for one in vectors]), vector, here, space.moving
+    )[: unseen.observed.size]
+    variance = np.einsum("ij,jk,ik->i", slopes, fitted.covariance, slopes)
     return to_unit(problem.runs[0].kind, float(np.sqrt(np.mean(np.maximum(variance, 0.0)))))
 
 
-def _stepped(fitted: Fit, place: int, step: float) -> tuple[FloatArray, tuple[Effect, ...]]:
-    """Return the fit's base coordinates and effects with one of all its parameters moved, inside its range."""
-    coordinates = fitted.coordinates.copy()
-    if place < coordinates.size:
-        coordinates[place] += step
-        return coordinates, fitted.effects
-    place -= coordinates.size
-    effects = list(fitted.effects)
-    for index, effect in enumerate(effects):
-        if place < len(effect.parameters):
-            parameter = effect.parameters[place]
-            value = float(np.clip(getattr(effect, parameter.name) + step, parameter.low, parameter.high))
-            effects[index] = replace(effect, **{parameter.name: value})
-            break
-        place -= len(effect.parameters)
-    return coordinates, tuple(effects)
-
-
-def pooled_errors(problem: Problem, predictions: Sequence[Prediction], rows: Sequence[NDArray[np.bool_]]) -> Errors:
+def pooled_errors(problem: JointProblem, predictions: Sequence[Prediction], rows: Sequence[Booleans]) -> Errors:
     """Return the errors of given predictions; see ``errors_of``."""
     response, tips = [], []
     for run, prediction, wanted, usable in zip(problem.runs, predictions, rows, problem.usable, strict=True):
@@ -89,8 +60,8 @@ def pooled_errors(problem: Problem, predictions: Sequence[Prediction], rows: Seq
     kind = problem.runs[0].kind
     return Errors(
         count=int(error.size),
-        response=to_unit(kind, _rms(error)),
-        tip_mm=_rms(distance) / MILLIMETRE,
+        response=to_unit(kind, rms(error)),
+        tip_mm=rms(distance) / MILLIMETRE,
     )
 
 
@@ -104,7 +75,3 @@ def tip_of(run: JointRun, response: FloatArray, length: FloatArray, pitch: float
         return x, y
     value = response[:, 0]
     return tip(value / length if run.kind == "bend" else value, length)
-
-
-def _rms(values: FloatArray) -> float:
-    return float(np.sqrt(np.mean(values**2))) if values.size else 0.0

@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from coast_cli.diagnosis.calibrate import Fitted, Parameter, Posed, calibratable, fit, pose, refit
-from coast_cli.diagnosis.errors import UNITS, to_unit
+from coast_cli.diagnosis.joint.calibrate import Fitted, Parameter, Posed, calibratable, fit, pose, refit
+from coast_cli.diagnosis.joint.errors import UNITS, to_unit
 from coast_cli.diagnosis.spread import Spread
 from coast_cli.errors import BadInput, nearest
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from coast_cli.diagnosis.calibrate import Estimate
+    from coast_cli.diagnosis.joint.calibrate import Estimate
     from coast_cli.recordings.model import JointRun, Recordings
     from coast_cli.spec.config import Config
 

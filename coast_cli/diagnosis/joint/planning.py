@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from coast_cli.diagnosis.plan import Outlook, outlook
-from coast_cli.diagnosis.protocols import Bench, planned, standard
+from coast_cli.diagnosis.joint.plan import Outlook, outlook
+from coast_cli.diagnosis.joint.protocols import Bench, planned, standard
 from coast_cli.errors import BadInput, UsageError
 from coast_cli.units import DEGREE, MILLIMETRE
 

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from coast_cli.diagnosis.fit import Fit
-from coast_cli.diagnosis.likelihood import NoiseBank
-from coast_cli.diagnosis.problem import Problem
+from coast_cli.diagnosis.joint.problem import JointProblem
+from coast_cli.diagnosis.noise_model import NoiseBank
 from coast_cli.mechanics.section import FloatArray
 
 _MOST_SAMPLES = 300
@@ -39,7 +39,7 @@ class Structure:
     memory: bool
 
 
-def find_structure(problem: Problem, fitted: Fit) -> Structure:
+def find_structure(problem: JointProblem, fitted: Fit) -> Structure:
     """Return the structure that a fit leaves in the response it was fitted to."""
     residual = fitted.residual
     power = float(np.mean(residual**2)) if residual.size else 0.0
@@ -59,7 +59,7 @@ def find_structure(problem: Problem, fitted: Fit) -> Structure:
     )
 
 
-def _repeats(problem: Problem, residual: FloatArray) -> tuple[float, bool]:
+def _repeats(problem: JointProblem, residual: FloatArray) -> tuple[float, bool]:
     """Return the best share predicted across runs over a few feature sets, and whether that set holds memory."""
     features, groups = _features(problem)
     if residual.size < 24 or np.unique(groups).size < 2:
@@ -104,7 +104,7 @@ def _predicted_share(inputs: FloatArray, target: FloatArray, groups: FloatArray)
     return 1.0 - error / max(float(np.sum(target**2)), 1e-300)
 
 
-def _features(problem: Problem) -> tuple[dict[str, FloatArray], FloatArray]:
+def _features(problem: JointProblem) -> tuple[dict[str, FloatArray], FloatArray]:
     """Return named features scaled to about 0..1 and the group of each fitted sample: its run, or a block of one run."""
     parts: dict[str, list[FloatArray]] = {}
     groups = []

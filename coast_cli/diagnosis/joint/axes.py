@@ -1,0 +1,64 @@
+"""The axes along which the mismatch of a joint is sought: drive, direction, length, time, run, notch and so on."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coast_cli.diagnosis.fit import Fit
+from coast_cli.diagnosis.joint.problem import JointProblem
+from coast_cli.diagnosis.locate import Region, Samples, locate
+from coast_cli.mechanics.section import FloatArray
+from coast_cli.units import MILLIMETRE
+
+
+def locate_joint(problem: JointProblem, base: Fit, memory: float | None = None) -> tuple[Region, ...]:
+    """Return the regions that hold the base model's excess error, largest share first; none where it agrees.
+
+    Args:
+        memory: lag-one correlation of the noise, as far as it is known; that of the base model's residual by default.
+    """
+    known = base.evidence.memory if memory is None else memory
+    return locate(samples_of(problem, base), problem.noise, min(known, problem.noise_estimate.correlation))
+
+
+def samples_of(problem: JointProblem, base: Fit) -> Samples:
+    """Return every fitted sample with its place along each axis of a joint's recording."""
+    predictions = problem.predict(base.coordinates, base.effects)
+    continuous: dict[str, list[FloatArray]] = {}
+    discrete: dict[str, list[NDArray[np.str_]]] = {}
+    for run_index, column, rows in problem.sequences:
+        run = problem.runs[run_index]
+        values: dict[str, FloatArray] = {"bending_length": run.bending_length / MILLIMETRE}
+        if run.stroke is not None:
+            values["stroke"] = run.stroke / MILLIMETRE
+        if run.tension is not None:
+            values["tension"] = run.tension
+        curvature = predictions[run_index].response[:, column]
+        if run.kind == "bend":
+            curvature = curvature / run.bending_length
+        elif run.kind == "notch":
+            curvature = curvature / float(problem.joints[run.pair].pitch)
+        values["curvature"] = curvature
+        if run.time is not None:
+            values["time"] = run.time
+            speed = np.abs(np.gradient(run.drive, np.maximum.accumulate(run.time + 1e-9 * np.arange(len(run)))))
+            values["rate"] = speed / (MILLIMETRE if run.stroke is not None else 1.0)
+        for axis, value in values.items():
+            continuous.setdefault(axis, []).append(value[rows])
+        names = {
+            "direction": np.where(run.direction < 0, "release", "load"),
+            "run": np.full(len(run), run.name),
+            "pair": np.full(len(run), run.pair),
+            "cycle": run.branches.cycle.astype(str),
+            "notch": np.full(len(run), str(column + 1)),
+        }
+        for axis, name in names.items():
+            discrete.setdefault(axis, []).append(name[rows])
+    size = problem.observed.size
+    return Samples(
+        residual=base.residual,
+        directions=-base.jacobian[:size, : base.coordinates.size],
+        continuous={axis: joined for axis, v in continuous.items() if (joined := np.concatenate(v)).size == size},
+        discrete={axis: np.concatenate(v) for axis, v in discrete.items()},
+    )

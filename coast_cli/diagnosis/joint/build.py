@@ -1,0 +1,111 @@
+"""From a configuration and runs to a problem: which base parameters are free, within which bounds, which samples count."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from coast_cli.diagnosis.joint.outliers import screened
+from coast_cli.diagnosis.joint.problem import CONFIG_KEYS, JointProblem, required
+from coast_cli.diagnosis.space import BaseParameter, Booleans
+from coast_cli.recordings.evidence import evidence_of
+
+if TYPE_CHECKING:
+    from coast_cli.recordings.model import JointRun
+    from coast_cli.spec.config import Config
+
+# Standard deviations of the weak priors on base parameters, where the configuration gives no {min, max} of its own.
+_PRIORS = {
+    "youngs_modulus_gpa": 0.5,  # of its logarithm
+    "notch_friction": 0.01,
+    "deadband_mm": 1.0,
+    "tendon_youngs_modulus_gpa": 0.1,  # of its logarithm
+}
+_LOGARITHMIC = ("youngs_modulus_gpa", "tendon_youngs_modulus_gpa")
+_TRIVIAL = 1e-12
+
+
+def build_joint_problem(
+    config: Config,
+    runs: Sequence[JointRun],
+    held_out: Sequence[Booleans] | None = None,
+    *,
+    without: Sequence[str] = (),
+    noise: float | None = None,
+) -> JointProblem:
+    """Return the problem of fitting a configuration to runs.
+
+    Args:
+        held_out: for each run which rows are not fitted, (n,); none by default.
+        without: ids of effects that are neither named nor rivals. noise: of the response, SI, where it is known.
+    """
+    from coast_cli.effects.catalogue import build_effects
+    from coast_cli.spec.build import build_joint
+
+    joints = {run.pair: build_joint(config, run.outer, run.middle) for run in runs}
+    if config.tendon is None and any(run.stroke is not None for run in runs):
+        raise config.refuse(("tendon",), "a stroke needs a tendon", allowed="a [tendon] table")
+    held = held_out or [np.zeros(len(run), bool) for run in runs]
+    fitted = [not rows.all() for rows in held]
+    drives = [run.drive for run in runs]
+    usable, found_noise = screened([run.response for run in runs], drives, fitted)
+    witness = all(run.tension is not None and run.stroke is not None for run in runs)
+    if witness:
+        columns = [required(run.tension)[:, np.newaxis] for run in runs]
+        tension_usable, tension_noise = screened(columns, drives, fitted)
+        tension_rows = tuple(use[:, 0] for use in tension_usable)
+    else:
+        tension_rows, tension_noise = tuple(np.zeros(len(run), bool) for run in runs), None
+    return JointProblem(
+        runs=tuple(runs),
+        joints=joints,
+        base=_free_parameters(config, runs, has_witness=witness),
+        train=tuple(~rows for rows in held),
+        usable=tuple(usable),
+        tension_usable=tension_rows,
+        noise=found_noise if noise is None else noise,
+        tension_noise=tension_noise,
+        fixed_effects=build_effects(config.corrections),
+        concealed=frozenset(without),
+        given_noise=noise,
+    )
+
+
+def _free_parameters(config: Config, runs: Sequence[JointRun], *, has_witness: bool) -> tuple[BaseParameter, ...]:
+    """Choose what the recording can tell: strokes and one length only fix products, which the modulus stands for."""
+    stroke_driven = runs[0].stroke is not None
+    names = ["youngs_modulus_gpa"]
+    if evidence_of(runs).has_lengths:
+        names.append("notch_friction")
+    if stroke_driven:
+        names.append("deadband_mm")
+    if has_witness and config.tendon is not None:
+        names.append("tendon_youngs_modulus_gpa")
+    found = []
+    for name in names:
+        value, low, high = config.bounds(CONFIG_KEYS[name])
+        wide = _wide_bounds(name, value)
+        low, high = max(low, wide[0]), min(high, wide[1])
+        given = _given_bounds(config, name)
+        prior = _PRIORS[name]
+        if given is not None:
+            low, high = given
+            prior = (np.log(high / low) if name in _LOGARITHMIC else high - low) / 4.0
+        found.append(BaseParameter(name, value, low, high, max(prior, _TRIVIAL), name in _LOGARITHMIC))
+    return tuple(found)
+
+
+def _wide_bounds(name: str, value: float) -> tuple[float, float]:
+    if name in _LOGARITHMIC:
+        return value / 8.0, value * 8.0
+    return (1.0, 1.1) if name == "notch_friction" else (-3.0, value + 10.0)
+
+
+def _given_bounds(config: Config, name: str) -> tuple[float, float] | None:
+    from coast_cli.spec.values import Calibrated
+
+    table, key = CONFIG_KEYS[name].split(".")
+    number = getattr(getattr(config, table), key)
+    return (number.min, number.max) if isinstance(number, Calibrated) else None

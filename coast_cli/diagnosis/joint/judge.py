@@ -1,0 +1,277 @@
+"""Diagnose a joint recording: is there a mismatch, where, what was left out, the model with it, and is that better."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from coast_cli.diagnosis.answer import Comparison, Diagnosis, Errors
+from coast_cli.diagnosis.contest import run_contest
+from coast_cli.diagnosis.fit import Fit, fit, rms
+from coast_cli.diagnosis.joint.axes import locate_joint
+from coast_cli.diagnosis.joint.build import build_joint_problem
+from coast_cli.diagnosis.joint.errors import UNITS, errors_of, held_out_spread, to_unit
+from coast_cli.diagnosis.joint.holdout import hold_out
+from coast_cli.diagnosis.joint.problem import CONFIG_KEYS, JointProblem
+from coast_cli.diagnosis.joint.structure import Structure, find_structure
+from coast_cli.diagnosis.joint.words import AFTER_UNEXPLAINED, FIRST_RECORDING, limits, loop_note, one_length, untested
+from coast_cli.diagnosis.judge import (
+    Case,
+    Leftover,
+    Rule,
+    Ruling,
+    effects_are_named,
+    first_effect_is_disputed,
+    judge,
+    nothing_is_named,
+    structure_is_left,
+)
+from coast_cli.diagnosis.locate import Region
+from coast_cli.diagnosis.space import Booleans
+from coast_cli.diagnosis.spread import Spread, effect_keys, spread_of
+from coast_cli.diagnosis.thresholds import (
+    ABOVE_NOISE,
+    FAR_ABOVE_NOISE,
+    FEWEST_SAMPLES,
+    HARM,
+    MAX_HELD_OUT_SHARE,
+    MAX_UNEXPLAINED_FRACTION,
+    MAX_UNEXPLAINED_SHARE,
+    MAX_UNEXPLAINED_SHARE_OF_SETS,
+    NEEDED,
+    REPEATS,
+    SAMPLES_A_PARAMETER,
+    STILL,
+    UNFELT,
+)
+from coast_cli.mechanics.section import FloatArray
+
+if TYPE_CHECKING:
+    from coast_cli.recordings.model import JointRun
+    from coast_cli.spec.config import Config
+
+
+def diagnose_joint(
+    config: Config,
+    runs: Sequence[JointRun],
+    *,
+    named_hold_out: Sequence[str] = (),
+    most_effects: int = 5,
+    without: Sequence[str] = (),
+    noise: float | None = None,
+) -> Diagnosis:
+    """Return the diagnosis of a joint recording.
+
+    Args:
+        config: the model that disagrees, its corrections included.
+        runs: of one kind of response. named_hold_out: runs that no fit may see.
+        most_effects: largest set that is tried. without: ids of effects that are neither named nor rivals.
+        noise: of the response, SI, where it is known.
+
+    Raises:
+        BadInput: a run to hold out does not exist.
+    """
+    kept_back = hold_out(runs, named_hold_out)
+    problem = build_joint_problem(config, runs, kept_back.rows, without=without, noise=noise)
+    reason = _insufficient(problem)
+    if reason:
+        kind = problem.runs[0].kind
+        return Diagnosis(
+            "insufficient", reason, to_unit(kind, problem.noise), UNITS[kind], next_recording=FIRST_RECORDING
+        )
+    case, ruling = judge(JointCase(problem, kept_back, run_contest(problem, most_effects)), RULES)
+    return case.diagnosis(ruling)
+
+
+def _insufficient(problem: JointProblem) -> str:
+    """Return why the recording cannot decide anything, or an empty text."""
+    if problem.observed.size < max(FEWEST_SAMPLES, SAMPLES_A_PARAMETER * len(problem.base)):
+        return f"only {problem.observed.size} samples can be fitted"
+    spans = [float(np.ptp(run.drive)) for run in problem.runs]
+    if max(spans) <= 0.0:
+        return "the drive never moves"
+    moved = float(np.std(problem.observed))
+    if moved <= STILL * problem.floor and fit(problem).rmse > MAX_UNEXPLAINED_FRACTION * moved:
+        return "the response never moves by more than its noise"
+    return ""
+
+
+@dataclass(frozen=True)
+class JointCase(Case):
+    """A joint's contest to be judged."""
+
+    problem: JointProblem
+
+    agrees = "the model as configured agrees with the recording within its noise"
+    alike = "several sets of effects explain the recording alike"
+
+    @property
+    def unit(self) -> str:  # type: ignore[override]
+        """Unit of the response in tables."""
+        return UNITS[self.problem.runs[0].kind]
+
+    @property
+    def floor(self) -> float:
+        """The noise, SI: to say that something unknown is there, all slow noise is granted, as for a name."""
+        return self.problem.floor if self.leading.ids else self.problem.highest_floor
+
+    @property
+    def allowed_share(self) -> float:
+        """Share of what was explained that may be left over; less of a set, which may draw anything."""
+        single = len(self.leading.ids) < 2 or self.problem.runs[0].kind == "notch"
+        return MAX_UNEXPLAINED_SHARE if single else MAX_UNEXPLAINED_SHARE_OF_SETS
+
+    @cached_property
+    def structure(self) -> Structure:
+        """Structure that the leading set leaves."""
+        return find_structure(self.problem, self.leading.fit)
+
+    def in_unit(self, value: float) -> float:
+        """Return an SI response in the unit of tables."""
+        return to_unit(self.problem.runs[0].kind, value)
+
+    def errors(self, coordinates: FloatArray, effects: Sequence[Any], rows: Sequence[Booleans]) -> Errors:
+        """Return the errors of a model on some rows."""
+        return errors_of(self.problem, coordinates, effects, rows)
+
+    def _leftover(self) -> Leftover:
+        size = excess(
+            self.leading.fit, self.floor, self.structure.repeats, ABOVE_NOISE if self.leading.ids else FAR_ABOVE_NOISE
+        )
+        kept = "needs direction or history" if self.structure.memory else "needs neither direction nor history"
+        repeats = f"{100 * max(self.structure.repeats, 0.0):.0f} % of it repeats from run to run"
+        unit = "1/m" if self.problem.runs[0].kind == "curvature" else "degrees"
+        words = f"{self.in_unit(size):.3g} {unit} is left that no effect of the catalogue explains"
+        return Leftover(size, f"{words}; {repeats}, and it {kept}")
+
+    def noise_level(self, ruling: Ruling) -> float:
+        """Return the noise that the recording shows, SI."""
+        leading = self.leading.fit
+        return leading.evidence.level if ruling.verdict != "unexplained" else min(self.floor, leading.rmse)
+
+    def where(self, ruling: Ruling, final: Fit) -> tuple[Region, ...]:
+        """Return the regions that hold the base model's excess error."""
+        return locate_joint(self.problem, self.contest.base.fit, self.leading.fit.evidence.memory)
+
+    def model_spread(self, final: Fit) -> Spread | None:
+        """Return how sure the numbers of the saved model are."""
+        base = self.problem.base
+        values = self.problem.values(final.coordinates)
+        keys = [CONFIG_KEYS[parameter.name] for parameter in base] + effect_keys(final.effects)
+        scale = [values[parameter.name] if parameter.logarithmic else 1.0 for parameter in base]
+        return spread_of(keys, [*scale, *[1.0] * (len(keys) - len(scale))], final.covariance)
+
+    def carries_over(self, fitted: Fit, comparison: Comparison) -> bool:
+        """Return whether most of the improvement is there on rows that were not fitted.
+
+        Rows that the base model predicts within the noise cannot show an improvement, only harm. Elsewhere the error may
+        be as large as the noise and what the fit does not know of its parameters make it.
+        """
+        before, after = comparison.refitted.held_out, comparison.with_effects.held_out
+        if before is None or after is None:
+            return True
+        within = ABOVE_NOISE * self.in_unit(self.floor)
+        if before < within:
+            return after < HARM * before
+        if after < before and (after < within or after < MAX_HELD_OUT_SHARE * before):
+            return True
+        unsure = held_out_spread(self.problem, fitted, self.kept_back.rows)
+        return after < before and after < np.hypot(within, ABOVE_NOISE * unsure)
+
+    def next_recording(self, ruling: Ruling) -> str:
+        """Return what would settle what is open, in bench words."""
+        if self.rivals:
+            from coast_cli.diagnosis.joint.plan import next_recording
+
+            proposals = next_recording(self.problem, [self.leading.fit, *(rival.fit for rival in self.rivals[:3])])
+            if proposals and proposals[0].gain > 0.0:
+                return f"{proposals[0].words} (expected to add {proposals[0].gain:.0f} nats between the closest two)"
+            return self.first_effect().decided_by
+        if ruling.verdict == "unexplained":
+            return AFTER_UNEXPLAINED
+        return self.first_effect().decided_by if self.is_named(ruling) else untested(self.problem)
+
+    def notes(self, ruling: Ruling, final: Fit) -> tuple[str, ...]:
+        """Return what limits the answer, a sentence each."""
+        leading = self.leading.fit
+        notes = [*limits(self.problem), *loop_note(self.problem, leading.effects), *one_length(self.problem)]
+        if not self.kept_back.runs:
+            notes.append(f"held out: {self.kept_back.rule}")
+        touching = zip(self.problem.base, leading.at_bound, strict=False)
+        notes.extend(f"{parameter.name} is on its bound" for parameter, bound in touching if bound)
+        if not leading.converged:
+            notes.append("the fit was still moving when it stopped")
+        return tuple(notes)
+
+
+def excess(fitted: Fit, floor: float, repeats: float, margin: float) -> float:
+    """Return the RMS of what is neither model nor noise, SI; a residual within ``margin`` of the floor is noise."""
+    above = np.sqrt(max(fitted.rmse**2 - floor**2, 0.0)) if fitted.rmse > margin * floor else 0.0
+    repeated = fitted.rmse * np.sqrt(max(repeats, 0.0)) if repeats > REPEATS else 0.0
+    return float(max(above, repeated))
+
+
+def what_does_not_carry_over_is_dropped(case: JointCase) -> Case | None:
+    """Rule: a set that does not predict unseen rows gives way to a part of it that does, or to the base model."""
+    leading = case.leading
+    if not leading.ids or case.carries_over(leading.fit, case.comparison):
+        return None
+    for part in case.contest.parts():
+        if case.carries_over(part.fit, case.comparison_of(part.fit)):
+            return case.led_by(part)
+    base = case.contest.base
+    remark = f"{' + '.join(leading.ids)} fits what was fitted but does not predict what was held out"
+    contest = replace(case.contest, leading=base, tried=(base,))
+    return replace(case, contest=contest, attempts=leading.ids, remark=remark)
+
+
+def what_is_redundant_is_dropped(case: JointCase) -> Case | None:
+    """Rule: an effect of a set is dropped where unseen rows are predicted as well without it."""
+    after = case.comparison.with_effects.held_out
+    if after is None or len(case.leading.ids) < 2:
+        return None
+    for part in case.contest.parts():
+        if len(part.ids) == len(case.leading.ids) - 1:
+            without = case.comparison_of(part.fit).with_effects.held_out
+            if without is not None and without <= NEEDED * after:
+                return case.led_by(part)
+    return None
+
+
+def what_vanished_is_dropped(case: JointCase) -> Case | None:
+    """Rule: what the fit to all rows together does not hold is not named; the set without it is judged in its place."""
+    gone = _vanished(case.problem, case.final(case.leading.fit))
+    if not gone:
+        return None
+    rest = set(case.leading.ids) - gone
+    return case.led_by(next((h for h in case.contest.tried if set(h.ids) == rest), case.contest.base))
+
+
+def _vanished(problem: JointProblem, final: Fit) -> set[str]:
+    """Return the effects without which the final model predicts the same, beside the noise."""
+    sets = [tuple(other for other in final.effects if other is not effect) for effect in final.effects]
+    whole, *without = problem.residuals([(final.coordinates, effects) for effects in (final.effects, *sets)])
+    found = set()
+    for effect, residual in zip(final.effects, without, strict=True):
+        change = max(
+            rms((residual - whole)[channel.rows]) / max(evidence.level, 1e-15)
+            for channel, evidence in zip(problem.channels, final.evidences, strict=True)
+        )
+        if change < UNFELT:
+            found.add(effect.id)
+    return found
+
+
+RULES: tuple[Rule, ...] = (
+    what_does_not_carry_over_is_dropped,
+    what_is_redundant_is_dropped,
+    what_vanished_is_dropped,
+    structure_is_left,
+    nothing_is_named,
+    first_effect_is_disputed,
+    effects_are_named,
+)

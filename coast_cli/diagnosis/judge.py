@@ -1,0 +1,346 @@
+"""From a contest to a verdict: named rules, one after the other, each a small function that is tested by itself.
+
+A rule looks at a case and answers with a changed case (another leading set, and the rules begin again), with a ruling (the
+verdict), or with nothing. A kind of recording lists its rules in the order in which they ask; rules that only joints or
+only shapes need stand with those.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, ClassVar
+
+import numpy as np
+
+from coast_cli.diagnosis.answer import Comparison, Diagnosis, Errors, Level, Named, Value, Verdict
+from coast_cli.diagnosis.contest import Contest, Hypothesis
+from coast_cli.diagnosis.fit import Fit, fit, rms
+from coast_cli.diagnosis.holdout import HoldOut
+from coast_cli.diagnosis.locate import Region
+from coast_cli.diagnosis.space import Booleans
+from coast_cli.diagnosis.spread import Spread
+from coast_cli.diagnosis.thresholds import (
+    LEAST_SURE,
+    MAX_UNEXPLAINED_NOISE,
+    MAX_UNEXPLAINED_SHARE,
+    PARAMETERS_NATS,
+    PARAMETERS_SIZE,
+    SUREST,
+    TEMPER,
+    UNEXPLAINED_SOFTNESS,
+)
+from coast_cli.effects.effect import Effect
+from coast_cli.mechanics.section import FloatArray
+
+_MOST_CHANGES = 100  # every change makes the leading set smaller, so that this is never reached
+
+
+@dataclass(frozen=True, slots=True)
+class Ruling:
+    """A verdict and a sentence on it."""
+
+    verdict: Verdict
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class Leftover:
+    """What is neither model nor noise: RMS, SI; and in words."""
+
+    size: float
+    words: str
+
+
+@dataclass(frozen=True)
+class Case(ABC):
+    """A contest to be judged, and what its kind of recording knows of itself.
+
+    Attributes:
+        problem: that was fitted. kept_back: rows that no fit saw. contest: of what may explain it.
+        attempts: ids of a set that was dropped because it did not hold. remark: on that, for the reason.
+    """
+
+    problem: Any
+    kept_back: HoldOut
+    contest: Contest
+    attempts: tuple[str, ...] = ()
+    remark: str = ""
+
+    unit: ClassVar[str]
+    agrees: ClassVar[str]
+    alike: ClassVar[str]
+
+    @abstractmethod
+    def errors(self, coordinates: FloatArray, effects: Sequence[Any], rows: Sequence[Booleans]) -> Errors:
+        """Return the errors of a model on some rows."""
+
+    @abstractmethod
+    def _leftover(self) -> Leftover:
+        """Return what the leading set leaves."""
+
+    @abstractmethod
+    def noise_level(self, ruling: Ruling) -> float:
+        """Return the noise that the recording shows, SI."""
+
+    @abstractmethod
+    def where(self, ruling: Ruling, final: Fit) -> tuple[Region, ...]:
+        """Return the regions of the mismatch."""
+
+    @abstractmethod
+    def next_recording(self, ruling: Ruling) -> str:
+        """Return what would settle what is open."""
+
+    @abstractmethod
+    def notes(self, ruling: Ruling, final: Fit) -> tuple[str, ...]:
+        """Return what limits the answer."""
+
+    @abstractmethod
+    def in_unit(self, value: float) -> float:
+        """Return an SI response in the unit of the answer."""
+
+    @property
+    def floor(self) -> float:
+        """The noise beside which what is left over is judged, SI."""
+        return float(self.problem.noise_floor)
+
+    @property
+    def allowed_share(self) -> float:
+        """Share of what was explained that may be left over."""
+        return MAX_UNEXPLAINED_SHARE
+
+    def model_tubes(self, final: Fit) -> dict[str, float | list[float]]:
+        """Return what of the model is saved as numbers of its tubes."""
+        return {}
+
+    def model_spread(self, final: Fit) -> Spread | None:
+        """Return how sure the numbers of the saved model are, where that is known."""
+        return None
+
+    def saved_effects(self, final: Fit) -> tuple[Effect, ...]:
+        """Return what of the model is saved as corrections."""
+        return final.effects
+
+    def alternatives(self, ruling: Ruling) -> tuple[tuple[str, ...], ...]:
+        """Return the ids of sets that the data cannot tell from the named one."""
+        return tuple(rival.ids for rival in self.rivals) if self.is_named(ruling) else ()
+
+    def chosen(self, effect: Effect) -> dict[str, Value]:
+        """Return what was chosen for an effect and not fitted."""
+        return {}
+
+    @property
+    def leading(self) -> Hypothesis:
+        """The set that is judged."""
+        return self.contest.leading
+
+    @cached_property
+    def rivals(self) -> tuple[Hypothesis, ...]:
+        """Sets that explain as much."""
+        return self.contest.alternatives()
+
+    @cached_property
+    def leftover(self) -> Leftover:
+        """What the leading set leaves."""
+        return self._leftover()
+
+    @cached_property
+    def explained(self) -> float:
+        """RMS that the leading set took from the base model's residual, SI."""
+        return float(np.sqrt(max(self.contest.base.fit.rmse**2 - self.leading.fit.rmse**2, 0.0)))
+
+    def led_by(self, leading: Hypothesis) -> Case:
+        """Return the same with another leading set."""
+        return replace(self, contest=replace(self.contest, leading=leading))
+
+    def is_named(self, ruling: Ruling) -> bool:
+        """Return whether the leading set is named."""
+        return bool(self.leading.ids) and ruling.verdict != "unexplained"
+
+    @cached_property
+    def by_importance(self) -> tuple[str, ...]:
+        """The leading ids, the one whose loss would cost most first."""
+        leading = self.leading
+        if len(leading.ids) < 2:
+            return leading.ids
+        tried = {hypothesis.key: hypothesis.fit.rmse for hypothesis in self.contest.tried}
+        cost = {}
+        for effect in leading.fit.effects:
+            rest = tuple(other for other in leading.fit.effects if other is not effect)
+            key = leading.key - {self.problem.variant(effect)}
+            if key not in tried:
+                tried[key] = fit(self.problem, rest, leading.fit.coordinates, steps=6, until="fine").rmse
+            cost[effect.id] = tried[key]
+        return tuple(sorted(leading.ids, key=lambda identifier: -cost[identifier]))
+
+    def first_effect(self) -> Effect:
+        """Return the most important effect of the leading set."""
+        return next(effect for effect in self.leading.fit.effects if effect.id == self.by_importance[0])
+
+    @cached_property
+    def parameters_moved(self) -> bool:
+        """Whether refitted base parameters say something that configured ones do not."""
+        problem, base = self.problem, self.contest.base.fit
+        before = problem.residuals([(problem.configured(), ())])[0]
+        likelihood = sum(c.bank.evidence(before[c.rows]).log_likelihood for c in problem.channels)
+        free = len(problem.values(problem.configured()))
+        gain = base.log_likelihood - likelihood - 0.5 * free * np.log(base.residual.size)
+        size = rms(before[problem.channels[0].rows] - base.residual) / base.evidence.level
+        return bool(gain > PARAMETERS_NATS and size > PARAMETERS_SIZE)
+
+    def final(self, fitted: Fit) -> Fit:
+        """Return the fit on every row, unless the user named runs that no fit may see."""
+        if not self.kept_back.chosen or not self.kept_back.any:
+            return fitted
+        whole = self.problem.only([np.ones(len(rows), bool) for rows in self.kept_back.rows])
+        return fit(whole, fitted.effects, start_in(whole, self.problem, fitted), steps=6)
+
+    def comparison_of(self, fitted: Fit) -> Comparison:
+        """Return errors as configured, refitted, and with a fit's effects, side by side."""
+        levels = []
+        for one in (None, self.contest.base.fit, fitted):
+            coordinates = self.problem.configured() if one is None else one.coordinates
+            effects = () if one is None else one.effects
+            train = self.errors(coordinates, effects, self.problem.train)
+            out = self.errors(coordinates, effects, self.kept_back.rows) if self.kept_back.any else None
+            levels.append((Level(train.response, None if out is None else out.response), (out or train).tip_mm))
+        return Comparison(
+            unit=self.unit,
+            held_out_runs=self.kept_back.runs,
+            rule=self.kept_back.rule,
+            configured=levels[0][0],
+            refitted=levels[1][0],
+            with_effects=levels[2][0],
+            tip_mm_refitted=levels[1][1],
+            tip_mm_with_effects=levels[2][1],
+        )
+
+    @cached_property
+    def comparison(self) -> Comparison:
+        """Errors of the leading set beside those without it."""
+        return self.comparison_of(self.leading.fit)
+
+    @cached_property
+    def confidence(self) -> float:
+        """Probability that the leading set is right: against its rivals, and against something unknown."""
+        scores = np.array([self.leading.score, *(rival.score for rival in self.rivals)])
+        weights = np.exp((scores - scores.max()) / TEMPER)
+        left = self.leftover.size / max(self.explained, 1e-300)
+        known = 1.0 / (1.0 + np.exp(np.clip((left - MAX_UNEXPLAINED_SHARE) / UNEXPLAINED_SOFTNESS, -50.0, 50.0)))
+        return float(np.clip(weights[0] / weights.sum() * known, LEAST_SURE, SUREST))
+
+    def named(self, final: Fit) -> tuple[Named, ...]:
+        """Return the leading effects with their fitted numbers, the most important first."""
+        space, names = self.problem.space(final.effects), {}
+        place = len(space.base)
+        for effect, owned in zip(final.effects, space.owned, strict=True):
+            values = {}
+            numbers = dict(zip((p.name for p in effect.parameters), effect.values(), strict=True))
+            for coordinate in owned:
+                value = float(numbers[coordinate.name])
+                std = float(np.sqrt(final.covariance[place, place])) * (value if coordinate.logarithmic else 1.0)
+                values[coordinate.name] = Value(value, std, final.at_bound[place])
+                place += 1
+            values |= self.chosen(effect)
+            names[effect.id] = Named(
+                effect.id, effect.kind, effect.component, effect.title, effect.equation, self.confidence, values
+            )
+        return tuple(names[identifier] for identifier in self.by_importance)
+
+    def base_values(self, final: Fit) -> dict[str, Value]:
+        """Return the base parameters as fitted."""
+        values, found = self.problem.values(final.coordinates), {}
+        for place, parameter in enumerate(self.problem.base):
+            if parameter.name in values:
+                value = values[parameter.name]
+                std = float(np.sqrt(final.covariance[place, place])) * (value if parameter.logarithmic else 1.0)
+                found[parameter.name] = Value(value, std, final.at_bound[place])
+        return found
+
+    def diagnosis(self, ruling: Ruling) -> Diagnosis:
+        """Return the whole answer under a ruling."""
+        explains = ruling.verdict != "unexplained"
+        final = self.final(self.leading.fit if explains else self.contest.base.fit)
+        configured = {p.name: p.value for p in self.problem.base}
+        parameters = self.base_values(final)
+        return Diagnosis(
+            verdict=ruling.verdict,
+            reason=f"{ruling.reason}; {self.remark}" if self.remark else ruling.reason,
+            noise=self.in_unit(self.noise_level(ruling)),
+            noise_unit=self.unit,
+            where=() if ruling.verdict == "agrees" else self.where(ruling, final),
+            effects=self.named(final) if self.is_named(ruling) else (),
+            alternatives=self.alternatives(ruling),
+            attempts=self.attempts or (() if explains else self.leading.ids),
+            parameters=parameters,
+            configured={name: configured[name] for name in parameters},
+            comparison=self.comparison,
+            next_recording=self.next_recording(ruling),
+            notes=self.notes(ruling, final),
+            model_effects=self.saved_effects(final),
+            model_parameters=self.problem.values(final.coordinates),
+            model_tubes=self.model_tubes(final),
+            model_spread=self.model_spread(final),
+        )
+
+
+Rule = Callable[[Any], Case | Ruling | None]
+
+
+def judge(case: Case, rules: Sequence[Rule]) -> tuple[Case, Ruling]:
+    """Return the case as the rules leave it, and the ruling of the first that gives one; the last one always does."""
+    for _ in range(_MOST_CHANGES):
+        for rule in rules:
+            outcome = rule(case)
+            if isinstance(outcome, Ruling):
+                return case, outcome
+            if outcome is not None:
+                case = outcome
+                break
+    raise ValueError("the rules came to no verdict")
+
+
+def start_in(whole: Any, problem: Any, fitted: Fit) -> FloatArray:  # noqa: ANN401
+    """Return a fit's base coordinates where another problem of the same model has them, else as configured."""
+    known = {p.name: float(c) for p, c in zip(problem.base, fitted.coordinates, strict=True)}
+    return np.array([known.get(p.name, p.inner) for p in whole.base])
+
+
+def structure_is_left(case: Case) -> Ruling | None:
+    """Rule: too much is left over, beside the noise and beside what was explained."""
+    noise = min(case.floor, case.leading.fit.rmse)
+    left = case.leftover.size
+    if left > MAX_UNEXPLAINED_NOISE * noise and left > case.allowed_share * case.explained:
+        return Ruling("unexplained", case.leftover.words)
+    return None
+
+
+def nothing_is_named(case: Case) -> Ruling | None:
+    """Rule: no effect leads; base parameters have moved, or the model agrees."""
+    if case.leading.ids:
+        return None
+    if case.parameters_moved:
+        return Ruling("parameters", "within the noise once the base parameters are refitted; no physics is missing")
+    return Ruling("agrees", case.agrees)
+
+
+def first_effect_is_disputed(case: Case) -> Ruling | None:
+    """Rule: a rival explains as much without the most important effect."""
+    if any(case.by_importance[0] not in rival.ids for rival in case.rivals):
+        return Ruling("ambiguous", case.alike)
+    return None
+
+
+def rivals_are_left(case: Case) -> Ruling | None:
+    """Rule: another set explains as much."""
+    return Ruling("ambiguous", case.alike) if case.rivals else None
+
+
+def effects_are_named(case: Case) -> Ruling:
+    """Rule: what is left over was explained, by the sensor or by physics, as the most important effect that is either."""
+    kinds = {effect.id: effect.kind for effect in case.leading.fit.effects}
+    first = next((kinds[i] for i in case.by_importance if kinds[i] != "parameter"), "physics")
+    verdict: Verdict = "sensor" if first == "sensor" else "physics"
+    return Ruling(verdict, "the named effects explain what the base model leaves over")
