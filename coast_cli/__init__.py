@@ -5,8 +5,7 @@ From Python, ``coast_cli`` has the functions that the commands call. Nothing is 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+TYPE_CHECKING = False  # typing itself takes longer to load than all else here
 if TYPE_CHECKING:
     from coast_cli.design.checks import check_design as check_design
     from coast_cli.design.path import PathPlan as PathPlan

@@ -1,20 +1,16 @@
 """The program's entry, and the one place where an error becomes text on stderr and an exit code.
 
-0 fine, 1 checked and the answer is no, 2 usage, 3 bad input, 4 not converged (or a fault of the program itself), 130
-interrupted.
+0 fine, 1 checked and the answer is no, 2 usage, 3 bad input, 4 not converged (or a fault of the program itself), 128 and
+its number where a signal ended it: 130 interrupted. Everything else is imported once signals are looked after.
 """
 
 from __future__ import annotations
 
-import gc
-import os
 import sys
-import warnings
-from collections.abc import Sequence
-from pathlib import Path
 
-from coast_cli.errors import CoastError, UsageError, printable
-from coast_cli.output.standard_streams import to_stderr
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 INTERNAL = 4
 _HELP = "Try `coast --help`, or --help after a command"
@@ -22,9 +18,31 @@ _HELP = "Try `coast --help`, or --help after a command"
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command line and return its exit code; ``arguments`` stand for ``sys.argv[1:]``."""
-    for name in ("stdout", "stderr"):
-        if getattr(sys, name) is None:  # closed by the caller
-            setattr(sys, name, Path(os.devnull).open("w", encoding="utf-8"))  # noqa: SIM115  # open to the end
+    try:
+        from coast_cli.signals import ignore, stoppable
+
+        with stoppable():
+            code = _run(arguments)
+        if arguments is None:
+            ignore()
+    except KeyboardInterrupt:
+        code = _interrupted()
+        if arguments is None:
+            import os
+
+            os._exit(code)  # what Python still does at its end could be cut short in turn, and say so
+    return code
+
+
+def _run(arguments: Sequence[str] | None) -> int:
+    import gc
+    import os
+    import warnings
+
+    from coast_cli.errors import printable
+    from coast_cli.output.standard_streams import prepare, to_stderr
+
+    prepare()
     # Imports make many objects that live to the end; looking for garbage among them is a twentieth of the start.
     gc.set_threshold(50_000, 20, 20)
     # Matrices here are small: threads of the linear algebra cost more than they give, five times on a busy machine.
@@ -38,17 +56,23 @@ def main(arguments: Sequence[str] | None = None) -> int:
         from coast_cli.cli.app import run
 
         return run(list(arguments))
-    except KeyboardInterrupt:
-        to_stderr("coast: interrupted.")
-        return 130
     except Exception as error:  # noqa: BLE001  # the one place that catches everything
         text, code = _explain(error)
         to_stderr(f"coast: {printable(text)}")
         return code
 
 
+def _interrupted() -> int:
+    from coast_cli.output.standard_streams import to_stderr
+    from coast_cli.signals import exit_code, stopped_by
+
+    to_stderr(f"coast: {stopped_by()}.")
+    return exit_code()
+
+
 def _explain(error: Exception) -> tuple[str, int]:
     from coast_cli.cli.app import refusal
+    from coast_cli.errors import CoastError, UsageError
 
     if isinstance(error, CoastError):
         return str(error), error.exit_code
@@ -56,12 +80,15 @@ def _explain(error: Exception) -> tuple[str, int]:
         text = error.format_message()  # type: ignore[attr-defined]
         advice = "`coast init` writes one to start from" if "'CONFIG" in text else _HELP
         return f"{text.rstrip('.')}. {advice}.", UsageError.exit_code
+    if isinstance(error, MemoryError):
+        return "there is not enough memory for this; ask for less at once.", INTERNAL
     kind, place = type(error).__name__, _last_line(error)
     return f"internal error, please report it: {kind} at {place}: {error}", INTERNAL
 
 
 def _last_line(error: Exception) -> str:
     """Return the module and line that raised, which a report needs and a traceback would bury."""
+    from pathlib import Path
     from traceback import extract_tb
 
     frames = [frame for frame in extract_tb(error.__traceback__) if "coast_cli" in frame.filename]

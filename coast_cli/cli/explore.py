@@ -37,14 +37,14 @@ def explore(
 
     from coast_cli.design.exploration import Beginning, steps
     from coast_cli.design.exploration import explore as run
-    from coast_cli.design.work import WorkerLost, workers
+    from coast_cli.design.work import workers
     from coast_cli.errors import UsageError
     from coast_cli.output.answer import Answer
-    from coast_cli.output.kept import Kept
+    from coast_cli.output.kept import Kept, kept_when_stopped
     from coast_cli.output.progress import progress
     from coast_cli.output.provenance import provenance
     from coast_cli.output.stream import CsvStream
-    from coast_cli.output.write import say, write_answer
+    from coast_cli.output.write import write_answer
     from coast_cli.spec.load import load_config_text, read_text
 
     if cluster is not None and jobs > 1:
@@ -56,28 +56,23 @@ def explore(
     stream: CsvStream | Kept = Kept(f"{config.stem}.explore", repr(origin))
     if every is not None:
         stream = CsvStream(every, repr(origin), overwrite=overwrite)
-    with closing(stream):
+    with closing(stream), kept_when_stopped(stream):
         beginning = Beginning(stream.blocks, stream.state)
-        try:
-            with workers(jobs, cluster) as executor, progress("blocks", total, beginning.blocks) as advance:
-                rows, notes = run(
-                    document,
-                    text,
-                    executor=executor,
-                    beginning=beginning,
-                    save=stream.write,
-                    advance=advance,
-                    every=every is not None,
-                )
-        except (KeyboardInterrupt, WorkerLost):
-            if stream.blocks:
-                say(f"interrupted: {stream.keep()}.")
-            raise
-        stream.finish()
-    if plot is not None:
-        from coast_cli.design.rank import rank
-        from coast_cli.output.design_plot import plot_front
+        with workers(jobs, cluster) as executor, progress("blocks", total, beginning.blocks) as advance:
+            rows, notes = run(
+                document,
+                text,
+                executor=executor,
+                beginning=beginning,
+                save=stream.write,
+                advance=advance,
+                every=every is not None,
+            )
+        if plot is not None:
+            from coast_cli.design.rank import rank
+            from coast_cli.output.design_plot import plot_front
 
-        rigidity = "mean" if document.explore is None else document.explore.rigidity
-        plot_front(rows, rank(document).columns, rigidity).write(plot)
-    write_answer(Answer("explore", rows[:top], origin, notes), format, output or ())
+            rigidity = "mean" if document.explore is None else document.explore.rigidity
+            plot_front(rows, rank(document).columns, rigidity).write(plot)
+        write_answer(Answer("explore", rows[:top], origin, notes), format, output or ())
+        stream.finish()

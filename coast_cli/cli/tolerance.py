@@ -38,13 +38,13 @@ def tolerance(
     """
     from coast_cli.design.samples import BLOCK
     from coast_cli.design.tolerance import tolerance_rows
-    from coast_cli.design.work import WorkerLost, workers
+    from coast_cli.design.work import workers
     from coast_cli.errors import UsageError
     from coast_cli.output.answer import Answer
-    from coast_cli.output.kept import Kept
+    from coast_cli.output.kept import Kept, kept_when_stopped
     from coast_cli.output.progress import progress
     from coast_cli.output.provenance import provenance
-    from coast_cli.output.write import say, write_answer
+    from coast_cli.output.write import write_answer
     from coast_cli.spec.build import build
     from coast_cli.spec.load import load_config
 
@@ -58,7 +58,7 @@ def tolerance(
         raise UsageError(f"--only {only}: allowed: one or several of {', '.join(KINDS)}.")
     origin = provenance(document, options={"pair": f"{outer}/{middle}", "samples": samples}, seed=seed)
     done = Kept(f"{config.stem}.tolerance", repr(origin))
-    try:
+    with kept_when_stopped(done):
         with workers(jobs, None) as executor, progress("blocks", -(-samples // BLOCK), done.blocks) as advance:
 
             def keep(figures: Mapping[str, FloatArray]) -> None:
@@ -68,15 +68,10 @@ def tolerance(
             rows, notes, columns = tolerance_rows(
                 design, (outer, middle), samples=samples, seed=seed, executor=executor, beginning=done.state, keep=keep
             )
-    except (KeyboardInterrupt, WorkerLost):
-        if done.blocks:
-            say(f"interrupted: {done.keep()}.")
-        raise
-    if plot is not None:
-        from coast_cli.output.design_plot import plot_tolerance
+        if plot is not None:
+            from coast_cli.output.design_plot import plot_tolerance
 
-        plot_tolerance(f"{outer}/{middle}", rows, columns).write(plot)
-    write_answer(
-        Answer("tolerance", [row for row in rows if row["kind"] in kinds], origin, notes), format, output or ()
-    )
-    done.finish()
+            plot_tolerance(f"{outer}/{middle}", rows, columns).write(plot)
+        chosen = [row for row in rows if row["kind"] in kinds]
+        write_answer(Answer("tolerance", chosen, origin, notes), format, output or ())
+        done.finish()

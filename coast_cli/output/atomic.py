@@ -16,6 +16,7 @@ from tempfile import mkdtemp
 from typing import IO, Any
 
 from coast_cli.errors import UsageError
+from coast_cli.signals import held
 
 Writer = Callable[[IO[Any]], object]
 _MOST_LINKS = 40  # one after another, as in Linux
@@ -37,14 +38,16 @@ def write_files(writers: Mapping[Path, Writer], *, binary: bool = False) -> None
         for path, writer in writers.items():
             target = destination(path)
             with _naming(path):
-                draft = _draft(target, unfinished)
+                with held():
+                    draft = _draft(target, unfinished)
                 with _opened(draft, binary=binary) as stream:
                     writer(stream)
             moves.append((path, draft, target))
-        for path, draft, target in moves:
-            if draft != target:
-                with _naming(path):
-                    put_in_place(draft, target)
+        with held():
+            for path, draft, target in moves:
+                if draft != target:
+                    with _naming(path):
+                        put_in_place(draft, target)
 
 
 def destination(path: Path) -> Path:

@@ -6,13 +6,18 @@ write every row.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
+from coast_cli.design.work import WorkerLost
 from coast_cli.errors import UsageError
 from coast_cli.output.checkpoint import Arrays, Note, check_private, open_folder, read_note, remove_folder, write_note
+from coast_cli.output.stream import CsvStream
+from coast_cli.output.write import say
+from coast_cli.signals import held
 
 
 class Kept:
@@ -22,7 +27,7 @@ class Kept:
         name: of the run, e.g. ``tubes.explore``. identity: what it is made from; another identity has another folder.
 
     Attributes:
-        path: of the folder. blocks: how many are done. state: what the next block must know.
+        path: of the folder.
 
     Raises:
         BadInput: what an earlier run left is damaged, or somebody else's.
@@ -31,21 +36,30 @@ class Kept:
     def __init__(self, name: str, identity: str) -> None:
         self.path = Path(f"{name}.{sha256(identity.encode()).hexdigest()[:8]}.part")
         self.identity = identity
-        self.blocks, self.state = 0, dict[str, Any]()
+        self._note = Note()  # one object, so that no signal comes between its parts
         if self.path.exists() or self.path.is_symlink():
             check_private(self.path)
-            note = read_note(self.path, identity) or Note()
-            self.blocks, self.state = note.blocks, dict(note.state)
+            self._note = read_note(self.path, identity) or Note()
+
+    @property
+    def blocks(self) -> int:
+        """How many blocks are done."""
+        return self._note.blocks
+
+    @property
+    def state(self) -> Arrays:
+        """What the next block must know."""
+        return self._note.state
 
     def write(self, _columns: Mapping[str, Any], state: Arrays) -> None:
         """Take the state after one more block."""
-        self.blocks, self.state = self.blocks + 1, dict(state)
+        self._note = Note(self.blocks + 1, dict(state))
 
     def keep(self) -> str:
         """Write the state to its folder, and return in words what is kept."""
         try:
             open_folder(self.path)
-            write_note(self.path, self.identity, Note(self.blocks, self.state))
+            write_note(self.path, self.identity, self._note)
         except (OSError, UsageError) as error:
             reason = f"{self.path}: {error.strerror}" if isinstance(error, OSError) else str(error).rstrip(".")
             return f"what is done cannot be kept ({reason})"
@@ -58,3 +72,15 @@ class Kept:
 
     def close(self) -> None:
         """Nothing is open."""
+
+
+@contextmanager
+def kept_when_stopped(run: Kept | CsvStream) -> Iterator[None]:
+    """Keep what is done, and say where, when a signal, a lost worker or a full disk ends the block."""
+    try:
+        yield
+    except (KeyboardInterrupt, WorkerLost, UsageError):
+        with held():
+            if run.blocks:
+                say(f"interrupted: {run.keep()}.")
+        raise

@@ -17,6 +17,7 @@ from typing import IO, Any
 from coast_cli.errors import BadInput, CoastError, UsageError
 from coast_cli.output.atomic import destination, put_in_place
 from coast_cli.output.checkpoint import Arrays, Note, check_private, open_folder, read_note, remove_folder, write_note
+from coast_cli.signals import held
 
 _READ_BYTES = 2**20
 
@@ -51,7 +52,7 @@ class CsvStream:
             self._stream = _opened(self._rows)
             self._lock()
             self._resume(overwrite=overwrite)
-            self._save(self.state)
+            self._save(self.blocks, self.state)
         except OSError as error:
             raise UsageError(f"{path}: cannot be written ({error.strerror or error}).") from None
 
@@ -99,9 +100,9 @@ class CsvStream:
             hint="Delete the folder to begin anew, or --overwrite.",
         )
 
-    def _save(self, state: Arrays) -> None:
+    def _save(self, blocks: int, state: Arrays) -> None:
         """Write how much of the rows counts, and what the next block must know."""
-        write_note(self.part, self.identity, Note(self.blocks, state, self._stream.tell(), self._digest.hexdigest()))
+        write_note(self.part, self.identity, Note(blocks, state, self._stream.tell(), self._digest.hexdigest()))
 
     def write(self, columns: Mapping[str, Any], state: Arrays) -> None:
         """Append a block of rows and save what goes with it.
@@ -120,8 +121,8 @@ class CsvStream:
             self._stream.write(block)
             self._stream.flush()
             self._digest.update(block)
+            self._save(self.blocks + 1, state)
             self.blocks += 1
-            self._save(state)
         except (OSError, UsageError) as error:
             reason = error.strerror if isinstance(error, OSError) else error
             raise UsageError(
@@ -136,8 +137,9 @@ class CsvStream:
     def finish(self) -> None:
         """Give the file its name."""
         self._stream.close()
-        put_in_place(self._rows, self._target)
-        remove_folder(self.part)
+        with held():
+            put_in_place(self._rows, self._target)
+            remove_folder(self.part)
 
     def close(self) -> None:
         """Leave the file as it is, to be gone on with later; without a block, leave none."""

@@ -224,7 +224,7 @@ def test_no_cluster_is_said(coast, config):
 
 @pytest.fixture
 def cluster(tmp_path):
-    """A scheduler and two workers as processes of their own; yields (address, workers)."""
+    """A scheduler and two workers as processes of their own; yields (address, [scheduler, *workers])."""
     if find_spec("distributed") is None:
         pytest.skip("not here: dask.distributed, the extra [cluster]")
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
@@ -243,7 +243,7 @@ def cluster(tmp_path):
         assert running[0].poll() is None
         time.sleep(0.05)
     try:
-        yield json.loads(note.read_text())["address"], running[1:]
+        yield json.loads(note.read_text())["address"], running
     finally:
         for process in running[::-1]:
             process.kill()
@@ -260,8 +260,28 @@ def test_a_cluster_gives_the_same_bytes(config, tmp_path, cluster, killed):
         while not (tmp_path / "cluster.csv.part").exists():
             assert running.poll() is None, running.communicate()
             time.sleep(0.02)
-        crew[0].kill()
+        crew[1].kill()
     out, said = running.communicate()
     assert running.returncode == 0, said
     assert out == alone[0]
     assert (tmp_path / "alone.csv").read_bytes() == (tmp_path / "cluster.csv").read_bytes()
+
+
+def test_a_scheduler_that_goes_away_is_a_sentence_and_loses_nothing(config, tmp_path, cluster):
+    address, (scheduler, *_) = cluster
+    arguments = (config(SPACE.replace("256", "384")), "--top", "3", "-f", "json", "--all")
+    whole = start(*arguments, tmp_path / "whole.csv").communicate()
+    running, note = (
+        start(*arguments, tmp_path / "pairs.csv", "--cluster", address),
+        tmp_path / "pairs.csv.part" / "note",
+    )
+    while not note.exists() or blocks(note) == 0:
+        assert running.poll() is None, running.communicate()
+        time.sleep(0.02)
+    scheduler.kill()
+    out, said = running.communicate()
+    assert (running.returncode, out) == (4, "")
+    assert f"the dask scheduler at {address} is gone" in said
+    assert all(line.startswith("coast: ") for line in said.splitlines())
+    assert start(*arguments, tmp_path / "pairs.csv").communicate() == whole
+    assert (tmp_path / "pairs.csv").read_bytes() == (tmp_path / "whole.csv").read_bytes()
