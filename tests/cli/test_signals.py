@@ -72,7 +72,7 @@ def words(tmp_path, reference_text, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "space.toml").write_text(reference_text + SPACE, encoding="utf-8")
     tasks = exploration.tasks
-    monkeypatch.setattr(exploration, "tasks", lambda text, name, *_: tasks(text, name, 8))
+    monkeypatch.setattr(exploration, "tasks", lambda text, name, *_, **more: tasks(text, name, 8, **more))
     for number in SIGNALS:
         default = signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL
         signal.signal(number, default)  # a test run in the background has them ignored

@@ -30,7 +30,7 @@ def unfinished(request, coast, tmp_path, reference_text, monkeypatch):
     (tmp_path / "space.toml").write_text(reference_text + SPACE, encoding="utf-8")
     words = ["explore", "space.toml", "-f", "json", *(["--all", "pairs.csv"] if request.param == "stream" else [])]
     solve, asked, tasks = exploration.explore_block, [], exploration.tasks
-    monkeypatch.setattr(exploration, "tasks", lambda text, name, *_: tasks(text, name, 8))
+    monkeypatch.setattr(exploration, "tasks", lambda text, name, *_, **more: tasks(text, name, 8, **more))
 
     def interrupted(task):
         asked.append(task)
