@@ -12,6 +12,7 @@ from coast_cli.cli.paths import READS
 from coast_cli.cli.recording_options import (
     BendingLengthOption,
     ColumnsOption,
+    NoiseOption,
     PlotOption,
     RecordedPairOption,
     RecordingsArgument,
@@ -28,6 +29,7 @@ def compare(
     columns: ColumnsOption = None,
     pair: RecordedPairOption = None,
     x2: BendingLengthOption = None,
+    noise: NoiseOption = None,
     plot: PlotOption = None,
     format: FormatOption = None,
     output: OutputOption = None,
@@ -44,7 +46,7 @@ def compare(
     document = load_config(config)
     read = read_recordings(recordings, document, columns=mapping_of(columns), pair=pair, bending_length_mm=x2)
     documents = (document,) if model is None else (document, load_config(model))
-    comparison = errors_of(documents[-1], read)
+    comparison = errors_of(documents[-1], read, noise)
     notes = read.notes
     if plot is not None:
         from coast_cli.output.comparison_plot import plot_comparison

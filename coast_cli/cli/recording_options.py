@@ -35,3 +35,7 @@ PlotOption = Annotated[Path | None, typer.Option(metavar="FILE.png", help="draw 
 HoldOutOption = Annotated[
     list[str] | None, typer.Option("--hold-out", metavar="RUN", help="a run that is not fitted; repeatable")
 ]
+NoiseOption = Annotated[
+    float | None,
+    typer.Option("--noise", metavar="VALUE", help="noise of the camera where it is known, in the response's unit"),
+]

@@ -12,6 +12,7 @@ from coast_cli.cli.paths import READS
 from coast_cli.cli.recording_options import (
     BendingLengthOption,
     ColumnsOption,
+    NoiseOption,
     RecordedPairOption,
     RecordingsArgument,
 )
@@ -26,6 +27,7 @@ def recordings(
     columns: ColumnsOption = None,
     pair: RecordedPairOption = None,
     x2: BendingLengthOption = None,
+    noise: NoiseOption = None,
     format: FormatOption = None,
     output: OutputOption = None,
 ) -> None:
@@ -47,5 +49,5 @@ def recordings(
         bending_length_mm=x2,
     )
     origin = provenance(*documents, recordings=read.sources)
-    answer = Answer("recordings", summary_rows(read), origin, (*read.notes, *can_decide(read)))
+    answer = Answer("recordings", summary_rows(read, noise), origin, (*read.notes, *can_decide(read, noise)))
     write_answer(answer, format, output or ())

@@ -11,7 +11,8 @@ import numpy as np
 from coast_cli.diagnosis.joint.build import build_joint_problem
 from coast_cli.diagnosis.joint.errors import UNITS, tip_of, to_unit
 from coast_cli.diagnosis.shapes.problem import build_problem as build_shape_problem
-from coast_cli.recordings.noise import MOST_SAMPLES, Series, pooled_noise, recording_noise, run_noise
+from coast_cli.recordings.noise import NoiseEstimate, Series, pooled_noise, recording_noise, run_noises
+from coast_cli.recordings.summary import known_noise
 from coast_cli.units import DEGREE, MILLIMETRE
 
 if TYPE_CHECKING:
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 POOLED, MEAN = "all", "mean"
-MOST_FOR_NOISE, FEWEST_FOR_NOISE = 40_000, 400  # samples over all runs, and in one
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,34 +68,41 @@ class ShapeErrors:
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """Every run of a call against one model, in the order of the files."""
+    """Every run of a call against one model, in the order of the files; ``known_noise`` is the camera's, SI."""
 
     joint: tuple[JointErrors, ...]
     shape: tuple[ShapeErrors, ...]
+    known_noise: float | None = None
 
     def rows(self) -> list[dict[str, str | float | int | None]]:
         """Return a row for each run, of several the mean of their errors, and last one for all of them pooled."""
-        most = min(MOST_SAMPLES, max(FEWEST_FOR_NOISE, MOST_FOR_NOISE // max(len(self.joint), 1)))
-        rows = [_row(one.run.name, [one], (), run_noise(one.run, most_samples=most).level) for one in self.joint]
+        levels = run_noises([one.run for one in self.joint], self.known_noise)
+        rows = [_row(one.run.name, [one], (), level) for one, level in zip(self.joint, levels, strict=True)]
         rows += [_row(one.run.name, (), [one], _shape_noise([one])) for one in self.shape]
         pooled = _row(POOLED, self.joint, self.shape, self._noise())
         return [*rows, _mean(rows, pooled), pooled] if len(rows) > 1 else [*rows, pooled]
 
-    def _noise(self) -> float | None:
+    def _noise(self) -> NoiseEstimate | None:
         if len(_units(self.joint, self.shape)) != 1:
             return None
-        return recording_noise(one.run for one in self.joint).level if self.joint else _shape_noise(self.shape)
+        if not self.joint:
+            return _shape_noise(self.shape)
+        return recording_noise((one.run for one in self.joint), self.known_noise)
 
 
-def compare(config: Config, recordings: Recordings) -> Comparison:
+def compare(config: Config, recordings: Recordings, noise: float | None = None) -> Comparison:
     """Return the errors of a configuration, with the corrections it carries, on recordings.
 
+    Args:
+        noise: of the camera where it is known, in the unit of the response.
+
     Raises:
-        BadInput: a run's tubes or drive do not go with the configuration.
+        BadInput: a run's tubes or drive do not go with the configuration. UsageError: ``noise`` is no noise.
     """
+    known = known_noise(recordings, noise)
     joint = tuple(_joint_errors(config, recordings.joint.runs)) if recordings.joint else ()
     shape = tuple(_shape_errors(config, recordings.shape.runs)) if recordings.shape else ()
-    return Comparison(joint, shape)
+    return Comparison(joint, shape, known)
 
 
 def _joint_errors(config: Config, runs: Sequence[JointRun]) -> list[JointErrors]:
@@ -126,10 +133,9 @@ def _shape_errors(config: Config, runs: Sequence[ShapeRun]) -> list[ShapeErrors]
     ]
 
 
-def _shape_noise(shapes: Sequence[ShapeErrors]) -> float:
-    """Return the noise of points across both axes, mm."""
-    level = pooled_noise([Series(values) for one in shapes for values in (one.run.x, one.run.y)]).level
-    return float(np.sqrt(2.0)) * level / MILLIMETRE
+def _shape_noise(shapes: Sequence[ShapeErrors]) -> NoiseEstimate:
+    """Return the noise of points along one axis, m."""
+    return pooled_noise([Series(values) for one in shapes for values in (one.run.x, one.run.y)])
 
 
 def _units(joint: Sequence[JointErrors], shape: Sequence[ShapeErrors]) -> set[str]:
@@ -137,14 +143,17 @@ def _units(joint: Sequence[JointErrors], shape: Sequence[ShapeErrors]) -> set[st
 
 
 def _row(
-    name: str, joint: Sequence[JointErrors], shape: Sequence[ShapeErrors], noise: float | None
+    name: str, joint: Sequence[JointErrors], shape: Sequence[ShapeErrors], noise: NoiseEstimate | None
 ) -> dict[str, str | float | int | None]:
     units = _units(joint, shape)
     unit = next(iter(units)) if len(units) == 1 else None
     by_kind = {kind: [one for one in joint if one.run.kind == kind] for kind in UNITS}
     count = sum(int(np.isfinite(one.difference).sum()) for one in joint) + sum(len(one.distance) for one in shape)
-    if noise is not None and joint:
-        noise = to_unit(joint[0].run.kind, noise)
+    levels: list[float | None] = [None, None, None]
+    if noise is not None:
+        found = (noise.level, *noise.interval)
+        across = float(np.sqrt(2.0)) / MILLIMETRE  # of a point, both axes
+        levels = [to_unit(joint[0].run.kind, level) if joint else across * level for level in found]
     return {
         "run": name,
         "n": count,
@@ -153,7 +162,9 @@ def _row(
         "rmse_notch_deg": _rms([one.difference for one in by_kind["notch"]], DEGREE),
         "rmse_shape_mm": _rms([one.distance for one in shape], MILLIMETRE),
         "rmse_tip_mm": _rms([*(one.tip for one in joint), *(one.distance[-1:] for one in shape)], MILLIMETRE),
-        "noise": noise,
+        "noise": levels[0],
+        "noise_low": levels[1],
+        "noise_high": levels[2],
         "noise_unit": unit,
     }
 

@@ -164,6 +164,8 @@ COLUMNS: dict[str, dict[str, str]] = {
         "cycles": "loads, each after a release",
         "duration_s": "from first to last sample, s; no value without a clock",
         "noise": "standard deviation of the noise, from the recording itself, in the unit of the response",
+        "noise_low": "lower end of its 90 % interval",
+        "noise_high": "upper end of its 90 % interval",
         "noise_std": "how sure that is, one standard deviation; no value where the runs are too short to tell",
         "noise_correlation": "of the noise from sample to sample; 0 is white",
         "quantum": "step to which the response is rounded; 0 where none is seen",
@@ -178,6 +180,8 @@ COLUMNS: dict[str, dict[str, str]] = {
         "rmse_shape_mm": "root mean square distance of a shape from the model at equal arc length, mm",
         "rmse_tip_mm": "root mean square distance between the tips, mm",
         "noise": "noise of the response that the recording itself shows, in its unit",
+        "noise_low": "lower end of its 90 % interval",
+        "noise_high": "upper end of its 90 % interval",
         "noise_unit": "the response and its unit; no value where runs of several kinds are pooled",
     },
     "calibrate": {

@@ -62,6 +62,10 @@ class Branches:
         """The stretches in which it moves."""
         return tuple(part for part in self.parts if part.direction != 0)
 
+    def every(self, step: int) -> Branches:
+        """Return the branches of every so-manieth sample."""
+        return _branches(self.direction[::step], self.drive_noise)
+
     @property
     def cycles(self) -> int:
         """How many cycles there are."""

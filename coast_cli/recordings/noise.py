@@ -7,13 +7,15 @@ fifth of a stretch counts as signal, and near that the level comes with a wide u
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from coast_cli.recordings.branches import Branches, difference_noise, find_branches
-from coast_cli.recordings.noise_likelihood import Block, noise_posterior
+from coast_cli.recordings.faults import clipped_rows, frozen_rows, quantum_of
+from coast_cli.recordings.noise_likelihood import Block, Posterior, noise_posterior
+from coast_cli.recordings.outliers import find_outliers
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -28,10 +30,12 @@ LONGEST_BLOCK = 96
 SHORTEST_BLOCK = 7
 MOST_SAMPLES = 4000
 LONGEST_GAP = 4
-OUTLIER_IN_SIGMAS = 5.5
 MEMORY_IN_STRETCH = 0.2
-MOST_OUTLIERS = 0.15
 SURE = 0.35
+MOST_IN_RUNS, FEWEST_IN_RUN = 40_000, 400  # samples over all runs, and in one
+SLOW_UNSEEN = 0.45  # of the logarithm: what the slowest noise that counts as noise may lose to the signal
+MODEL_ERROR = 0.02  # of the logarithm: noise is not exactly what it is taken for
+SLOW = 0.8  # AR(1) coefficient from which longer blocks, of fewer samples, are looked at besides
 
 
 @dataclass(frozen=True)
@@ -50,6 +54,7 @@ class NoiseEstimate:
         quantum: step to which the response is rounded, 0 where none is seen.
         outlier_share: share of samples that stand alone, far from their neighbours.
         samples: how many samples were used.
+        interval: what holds the level with a probability of 90 %.
         determined: False where the runs are too short for any noise to be told from the signal.
     """
 
@@ -65,6 +70,7 @@ class NoiseEstimate:
     outlier_share: float
     samples: int
     determined: bool = True
+    interval: tuple[float, float] = (0.0, 0.0)
 
     @property
     def level_std(self) -> float:
@@ -82,9 +88,17 @@ class NoiseEstimate:
         if not self.determined:
             return "the runs are too short to tell noise from signal; the level is an upper bound"
         colour = "white" if self.correlation < 0.1 else f"correlated {self.correlation:.2f} from sample to sample"
+        if self.log_level_std == 0.0:
+            return f"{colour}, the level as given"
         if not self.sure:
-            return f"{colour}, the level known only within a factor of {np.exp(1.645 * self.log_level_std):.1f} (90 %)"
-        return f"{colour}, the level known within {100 * 1.645 * self.log_level_std:.0f} % (90 %)"
+            return f"{colour}, the level known only within a factor of {self._factor:.1f} (90 %)"
+        return f"{colour}, the level known within {100 * (self._factor - 1.0):.0f} % (90 %)"
+
+    @property
+    def _factor(self) -> float:
+        """By how much the level may be off, 90 %."""
+        low, high = self.interval
+        return max(high / self.level, self.level / low)
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,9 +128,25 @@ def run_noise(run: JointRun, *, most_samples: int = MOST_SAMPLES) -> NoiseEstima
     return pooled_noise(_run_series(run), most_samples=most_samples)
 
 
-def recording_noise(runs: Iterable[JointRun]) -> NoiseEstimate:
-    """Return the noise on the response, taken as one for all runs."""
-    return pooled_noise([series for run in runs for series in _run_series(run)])
+def run_noises(runs: Sequence[JointRun], known: float | None = None) -> list[NoiseEstimate]:
+    """Return the noise of each run, from fewer samples of each where there are many; ``known`` as `recording_noise`."""
+    most = min(MOST_SAMPLES, max(FEWEST_IN_RUN, MOST_IN_RUNS // max(len(runs), 1)))
+    return [_as_known(run_noise(run, most_samples=most), known) for run in runs]
+
+
+def recording_noise(runs: Iterable[JointRun], known: float | None = None) -> NoiseEstimate:
+    """Return the noise on the response, taken as one for all runs: the one figure of every command.
+
+    Args:
+        known: the level where the camera's noise is known, SI; colour and rounding are still the recording's own.
+    """
+    return _as_known(pooled_noise([series for run in runs for series in _run_series(run)]), known)
+
+
+def _as_known(estimate: NoiseEstimate, known: float | None) -> NoiseEstimate:
+    if known is None:
+        return estimate
+    return replace(estimate, level=known, log_level_std=0.0, interval=(known, known), determined=True)
 
 
 def _run_series(run: JointRun) -> list[Series]:
@@ -125,16 +155,16 @@ def _run_series(run: JointRun) -> list[Series]:
 
 def pooled_noise(series: Sequence[Series], *, most_samples: int = MOST_SAMPLES) -> NoiseEstimate:
     """Return the noise that all series share, from about ``most_samples`` samples spread over them."""
-    blocks: list[Block] = []
-    flagged = total = 0
-    for one in series:
-        outlier = find_outliers(one.values)
-        total += int(np.isfinite(one.values).sum())
-        flagged += int(outlier.sum())
-        blocks.extend(_blocks(one, outlier))
-    quantum = min((step for step in map(_quantum, (one.values for one in series)) if step > 0.0), default=0.0)
-    share = flagged / total if total else 0.0
+    cleaned = [_without_faults(one) for one in series]
+    outliers = [find_outliers(one.values) for one in cleaned]
+    kept = [
+        replace(one, values=np.where(lone, np.nan, one.values)) for one, lone in zip(cleaned, outliers, strict=True)
+    ]
+    total = sum(int(np.isfinite(one.values).sum()) for one in cleaned)
+    share = sum(int(lone.sum()) for lone in outliers) / total if total else 0.0
+    quantum = min((step for step in map(quantum_of, (one.values for one in series)) if step > 0.0), default=0.0)
     floor = max(quantum / np.sqrt(12.0), 1e-12 * _spread(series))
+    blocks = [block for one in kept for block in _blocks(one)]
     if not blocks or floor == 0.0:
         return NoiseEstimate(
             level=max(_spread(series), floor),
@@ -149,12 +179,20 @@ def pooled_noise(series: Sequence[Series], *, most_samples: int = MOST_SAMPLES) 
             outlier_share=share,
             samples=total,
             determined=False,
+            interval=(floor, max(_spread(series), floor)),
         )
     blocks = _spread_out(blocks, most_samples)
     rough = [difference_noise(block.values) for block in blocks if len(block.values) >= 8]
     start = max(float(np.median(rough)) if rough else _spread(series), floor)
-    longest = MEMORY_IN_STRETCH * _usual_stretch(series)
+    stretch = _usual_stretch(series)
+    longest = MEMORY_IN_STRETCH * stretch
     posterior = noise_posterior(blocks, start, longest)
+    every = int(np.ceil(stretch / LONGEST_BLOCK))
+    if every > 1 and posterior.memory > SLOW:
+        coarse = [block for one in kept for block in _blocks(_every(one, every))]
+        if coarse:
+            seen = noise_posterior(_spread_out(coarse, most_samples), np.exp(posterior.log_level), longest / every)
+            posterior = seen.of_every_sample(every)
     return NoiseEstimate(
         level=max(float(np.exp(posterior.log_level)), floor),
         log_level_std=posterior.log_level_std,
@@ -167,7 +205,32 @@ def pooled_noise(series: Sequence[Series], *, most_samples: int = MOST_SAMPLES) 
         quantum=quantum,
         outlier_share=share,
         samples=sum(len(block.values) for block in blocks),
+        interval=_interval(posterior, longest, floor),
     )
+
+
+def _interval(posterior: Posterior, longest_memory: float, floor: float) -> tuple[float, float]:
+    """Return what holds the level with 90 %: the slower the noise, the more of it may have counted as signal."""
+    memory = -1.0 / np.log(posterior.memory) if posterior.memory > 0.0 else 0.0
+    unseen = SLOW_UNSEEN * min(memory / longest_memory, 1.0) if longest_memory > 0.0 else SLOW_UNSEEN
+    low, high = np.exp(posterior.log_low - MODEL_ERROR), np.exp(posterior.log_high + MODEL_ERROR + unseen)
+    return max(float(low), floor), max(float(high), floor)
+
+
+def _every(series: Series, step: int) -> Series:
+    """Return every so-manieth sample of a series: AR(1) noise keeps its level, and is faster by that much."""
+    drive = None if series.drive is None else series.drive[::step]
+    branches = None if series.branches is None else series.branches.every(step)
+    return Series(series.values[::step], branches, drive)
+
+
+def _without_faults(series: Series) -> Series:
+    """Return a series without the frames that repeat or stand at the end of the view: they hold no news of the noise."""
+    values = series.values
+    useless = frozen_rows(values, series.drive)
+    if series.drive is not None:
+        useless |= clipped_rows(values, series.drive)
+    return replace(series, values=np.where(useless, np.nan, values)) if useless.any() else series
 
 
 def _spread_out(blocks: list[Block], most_samples: int) -> list[Block]:
@@ -193,9 +256,9 @@ def _usual_stretch(series: Sequence[Series]) -> float:
     return float(lengths @ lengths / lengths.sum())
 
 
-def _blocks(series: Series, outlier: NDArray[np.bool_]) -> list[Block]:
+def _blocks(series: Series) -> list[Block]:
     """Cut a series at reversals, at long gaps and at the longest block; samples that are no use are closed up."""
-    use = np.isfinite(series.values) & ~outlier
+    use = np.isfinite(series.values)
     parts = series.branches.parts if series.branches else ()
     stretches = [(part.start, part.stop, 2 if part.direction else 1) for part in parts] or [(0, len(use), 2)]
     uneven = _uneven(series)
@@ -250,58 +313,3 @@ def _coordinate(drive: Floats) -> Floats | None:
     least = 0.02
     steps = np.maximum(np.diff(np.maximum.accumulate(scaled)), least)
     return np.concatenate(([0.0], np.cumsum(steps)))
-
-
-SPIKE = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
-ALIKE = (
-    np.array([0.0, 1.0, -2.0, 1.0, 0.0]),
-    np.array([0.0, 1.0, -1.0, -1.0, 1.0]),
-    np.array([1.0, -1.0, -1.0, 1.0, 0.0]),
-    np.array([0.0, 1.0, -3.0, 3.0, -1.0]),
-    np.array([1.0, -3.0, 3.0, -1.0, 0.0]),
-)
-
-
-def find_outliers(values: Floats) -> NDArray[np.bool_]:
-    """Return which samples stand alone, far from what their neighbours on both sides say, [n].
-
-    Fourth differences show a lone sample as 1 -4 6 -4 1; a change of slope or a jump shows otherwise and is kept.
-    """
-    outlier = np.zeros(len(values), dtype=bool)
-    index = np.flatnonzero(np.isfinite(values))
-    if len(index) < 12:
-        return outlier
-    fourth = np.diff(values[index], 4)
-    scale = float(np.median(np.abs(fourth))) / 0.6744897501960817
-    if scale == 0.0:
-        return outlier
-    threshold = OUTLIER_IN_SIGMAS * scale * np.sqrt(SPIKE @ SPIKE) / np.sqrt(1.0 + 16 + 36 + 16 + 1)
-    padded = np.concatenate((np.zeros(2), fourth, np.zeros(2)))
-    for _ in range(int(MOST_OUTLIERS * len(index))):
-        windows = np.lib.stride_tricks.sliding_window_view(padded, 5)
-        best = int(np.argmax(np.abs(windows @ SPIKE)))
-        size = float(windows[best] @ SPIKE) / float(SPIKE @ SPIKE)
-        if abs(size) * 6.0 < threshold:
-            break
-        energy = size**2 * float(SPIKE @ SPIKE)
-        rivals = max(float(windows[best] @ other) ** 2 / float(other @ other) for other in ALIKE)
-        if rivals >= energy:
-            padded[best : best + 5] = 0.0
-            continue
-        padded[best : best + 5] -= size * SPIKE
-        outlier[index[best + 2]] = True
-    return outlier
-
-
-def _quantum(values: Floats) -> float:
-    """Return the step that all differences are whole multiples of, or 0 where there is none."""
-    levels = np.unique(values[np.isfinite(values)])
-    if len(levels) < 3:
-        return 0.0
-    gaps = np.diff(levels)
-    gaps = gaps[gaps > 1e-9 * (levels[-1] - levels[0])]
-    step = float(gaps.min())
-    for _ in range(2):
-        step = float(gaps.sum() / np.round(gaps / step).sum())
-    off = np.abs(gaps / step - np.round(gaps / step))
-    return step if float(off.max()) < 0.05 else 0.0

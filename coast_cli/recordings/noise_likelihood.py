@@ -10,7 +10,7 @@ get a posterior on a grid. The integrated Wiener process is Wahba's smoothing-sp
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
@@ -24,11 +24,11 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Form = tuple[Floats, Floats, int]
 
-MEMORY = (0.0, 0.15, 0.3, 0.45, 0.6, 0.7, 0.8, 0.87, 0.92, 0.95, 0.97, 0.985)
+MEMORY = (0.0, 0.15, 0.3, 0.45, 0.6, 0.7, 0.8, 0.87, 0.92, 0.95, 0.97, 0.985, 0.992, 0.996)
 WHITE_SHARE = (0.0, 0.25, 0.5, 0.75)
 COLOURS = tuple((memory, white) for memory in MEMORY for white in (WHITE_SHARE if memory else (0.0,)))
 AMPLITUDES = np.concatenate(([0.0], 10.0 ** np.arange(-5.0, 2.25, 0.5)))
-SMOOTHER_FIRST = np.exp(-0.1 * np.arange(len(AMPLITUDES)))
+SMOOTHER_FIRST = np.exp(-0.2 * np.arange(len(AMPLITUDES)))
 HINGED = np.array([0, 5, 7, 9])
 HINGE_INFORMATION = 100.0
 HINGES_ALIKE = 2.0
@@ -73,6 +73,7 @@ class Posterior:
 
     Attributes:
         log_level, log_level_std: of the root mean square over all samples, natural logarithm.
+        log_low, log_high: what holds it with a probability of 90 %.
         unevenness: standard deviation of the logarithm of the level from block to block.
         memory, memory_std: coefficient of the AR(1) part.
         lag_one: correlation between neighbouring samples.
@@ -80,10 +81,19 @@ class Posterior:
 
     log_level: float
     log_level_std: float
+    log_low: float
+    log_high: float
     unevenness: float
     memory: float
     memory_std: float
     lag_one: float
+
+    def of_every_sample(self, step: int) -> Posterior:
+        """Return what holds of all samples, where this is of every so-manieth."""
+        slower = self.memory ** (1.0 / step) if self.memory > 0.0 else 0.0
+        change = slower / (step * self.memory) if self.memory > 0.0 else 1.0
+        white = 1.0 - self.lag_one / self.memory if self.memory > 0.0 else 1.0
+        return replace(self, memory=slower, memory_std=self.memory_std * change, lag_one=slower * (1.0 - white))
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,6 +134,8 @@ def noise_posterior(blocks: Sequence[Block], start: float, longest_memory: float
     return Posterior(
         log_level=level,
         log_level_std=fine.std,
+        log_low=level + fine.low - fine.mean,
+        log_high=level + fine.high - fine.mean,
         unevenness=fine.unevenness,
         memory=mean_memory,
         memory_std=float(np.sqrt(max(float(fine.by_colour @ memory**2) - mean_memory**2, 0.0))),
@@ -140,6 +152,8 @@ class _GridPosterior:
     by_colour: Floats
     mean: float
     std: float
+    low: float
+    high: float
     unevenness: float
 
 
@@ -150,7 +164,8 @@ def _grid_posterior(forms: list[Form], log_levels: Floats, longest_memory: float
     mean = float(by_level @ log_levels)
     std = float(np.sqrt(by_level @ (log_levels - mean) ** 2))
     unevenness = float(weight.sum(axis=(0, 1)) @ UNEVENNESS)
-    return _GridPosterior(by_block, log_levels, weight.sum(axis=(1, 2)), mean, std, unevenness)
+    low, high = np.interp((0.05, 0.95), np.cumsum(by_level) - 0.5 * by_level, log_levels)
+    return _GridPosterior(by_block, log_levels, weight.sum(axis=(1, 2)), mean, std, float(low), float(high), unevenness)
 
 
 def _grouped(blocks: Sequence[Block]) -> list[tuple[list[Block], _Basis]]:

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from coast_cli.errors import UsageError
 from coast_cli.recordings.evidence import RATES_DIFFER, Evidence, evidence_of
-from coast_cli.recordings.noise import MOST_SAMPLES, Series, pooled_noise, run_noise
+from coast_cli.recordings.noise import NoiseEstimate, Series, pooled_noise, recording_noise, run_noises
 from coast_cli.units import DEGREE, MILLIMETRE
 
 if TYPE_CHECKING:
@@ -23,22 +24,45 @@ UNITS: dict[ResponseKind, tuple[str, float]] = {
     "position": ("position_mm", MILLIMETRE),
     "force": ("force_n", 1.0),
 }
-NOISE_BUDGET, FEWEST_FOR_NOISE = 40_000, 400  # samples over all runs, and in one
 
 
-def summary_rows(recordings: Recordings) -> list[Row]:
-    """Return a row a run, joints first; the same names in each, None where one does not apply."""
+def summary_rows(recordings: Recordings, noise: float | None = None) -> list[Row]:
+    """Return a row a run, joints first; the same names in each, None where one does not apply.
+
+    Args:
+        noise: of the camera where it is known, in the unit of the response.
+
+    Raises:
+        UsageError: it is no noise, or the responses have several units.
+    """
     joint = recordings.joint.runs if recordings.joint else ()
     shape = recordings.shape.runs if recordings.shape else ()
-    most = min(MOST_SAMPLES, max(FEWEST_FOR_NOISE, NOISE_BUDGET // max(len(joint), 1)))
-    return [*(_joint_row(run, most) for run in joint), *(_shape_row(run) for run in shape)]
+    levels = run_noises(joint, known_noise(recordings, noise))
+    return [*(_joint_row(*one) for one in zip(joint, levels, strict=True)), *(_shape_row(run) for run in shape)]
 
 
-def _joint_row(run: JointRun, most_samples: int) -> Row:
+def known_noise(recordings: Recordings, noise: float | None) -> float | None:
+    """Return a known noise in SI, from the unit of the response.
+
+    Raises:
+        UsageError: it is no noise, or the responses have several units.
+    """
+    if noise is None:
+        return None
+    kinds = {run.kind for run in recordings.joint.runs} if recordings.joint else set()
+    if not 0.0 < noise < float("inf"):
+        raise UsageError(f"--noise {noise}: not a noise; allowed: a number above 0 in the unit of the response.")
+    if len(kinds) != 1 or recordings.shape:
+        raise UsageError(
+            "--noise: one level for several units; allowed: recordings of one kind of response of a joint."
+        )
+    return noise * UNITS[kinds.pop()][1]
+
+
+def _joint_row(run: JointRun, noise: NoiseEstimate) -> Row:
     branches = run.branches
     response, unit = UNITS[run.kind]
     drive, drive_unit = ("stroke_mm", MILLIMETRE) if run.stroke is not None else ("tension_n", 1.0)
-    noise = run_noise(run, most_samples=most_samples)
     has_length = bool(np.isfinite(run.bending_length).all())
     seconds = None if run.time is None else float(run.time[-1] - run.time[0])
     return {
@@ -59,6 +83,8 @@ def _joint_row(run: JointRun, most_samples: int) -> Row:
         "cycles": branches.cycles,
         "duration_s": seconds,
         "noise": noise.level / unit,
+        "noise_low": noise.interval[0] / unit,
+        "noise_high": noise.interval[1] / unit,
         "noise_std": noise.level_std / unit if np.isfinite(noise.level_std) else None,
         "noise_correlation": noise.correlation,
         "quantum": noise.quantum / unit,
@@ -77,6 +103,8 @@ def _shape_row(run: ShapeRun) -> Row:
         "response": "shape_mm",
         "response_to": float(np.hypot(run.x - run.x[0], run.y - run.y[0]).max()) / MILLIMETRE,
         "noise": noise.level / MILLIMETRE,
+        "noise_low": noise.interval[0] / MILLIMETRE,
+        "noise_high": noise.interval[1] / MILLIMETRE,
         "noise_std": noise.level_std / MILLIMETRE if np.isfinite(noise.level_std) else None,
         "noise_correlation": noise.correlation,
         "quantum": noise.quantum / MILLIMETRE,
@@ -104,6 +132,8 @@ def _joint_names() -> tuple[str, ...]:
         "cycles",
         "duration_s",
         "noise",
+        "noise_low",
+        "noise_high",
         "noise_std",
         "noise_correlation",
         "quantum",
@@ -111,14 +141,14 @@ def _joint_names() -> tuple[str, ...]:
     )
 
 
-def can_decide(recordings: Recordings) -> tuple[str, ...]:
+def can_decide(recordings: Recordings, noise: float | None = None) -> tuple[str, ...]:
     """Return sentences on what the recordings can and cannot decide, and what to record for the rest."""
     joint = recordings.joint.runs if recordings.joint else ()
     shape = recordings.shape.runs if recordings.shape else ()
-    return (*_about_joints(joint), *_about_shapes(shape))
+    return (*_about_joints(joint, known_noise(recordings, noise)), *_about_shapes(shape))
 
 
-def _about_joints(runs: Sequence[JointRun]) -> list[str]:
+def _about_joints(runs: Sequence[JointRun], known: float | None) -> list[str]:
     if not runs:
         return []
     held = evidence_of(runs)
@@ -128,7 +158,7 @@ def _about_joints(runs: Sequence[JointRun]) -> list[str]:
         sentences += [*_lengths(held), *_drives(held)]
     elif not held.loads:
         sentences.append("no load is recorded: stretch cannot be told from the ratio, nor friction from play by load.")
-    return [*sentences, *_repeats(held), *_noise(runs)]
+    return [*sentences, *_repeats(held), *_noise(runs, known)]
 
 
 def _history(held: Evidence) -> list[str]:
@@ -178,9 +208,17 @@ def _repeats(held: Evidence) -> list[str]:
     return [f"{held.repeats} runs repeat one another: one of them can be held out."] if held.repeats > 1 else []
 
 
-def _noise(runs: Sequence[JointRun]) -> list[str]:
-    worst = max((run_noise(run, most_samples=FEWEST_FOR_NOISE) for run in runs), key=lambda noise: noise.log_level_std)
-    return [f"noise, where it is least sure: {worst.words}."]
+def _noise(runs: Sequence[JointRun], known: float | None) -> list[str]:
+    """Say the one noise of all runs of a kind, as every command takes it."""
+    found = []
+    for kind, (name, unit) in UNITS.items():
+        members = [run for run in runs if run.kind == kind]
+        if members:
+            noise = recording_noise(members, known)
+            low, high = (bound / unit for bound in noise.interval)
+            level = f"{noise.level / unit:.3g} {name}"
+            found.append(f"noise of all runs together: {level} ({low:.3g} to {high:.3g}, 90 %); {noise.words}.")
+    return found
 
 
 def _about_shapes(runs: Sequence[ShapeRun]) -> list[str]:
