@@ -173,7 +173,8 @@ def _mean(
     rows: Sequence[Mapping[str, str | float | int | None]], pooled: Mapping[str, str | float | int | None]
 ) -> dict[str, str | float | int | None]:
     """Return the mean of each error over the runs that have it: a long run counts no more than a short one."""
-    found: dict[str, str | float | int | None] = {**pooled, "run": MEAN, "noise": None, "noise_unit": None}
+    found: dict[str, str | float | int | None] = {**pooled, "run": MEAN}
+    found |= dict.fromkeys(("noise", "noise_low", "noise_high", "noise_unit"))
     for name in (name for name in pooled if name.startswith("rmse_")):
         values = [value for value in (row[name] for row in rows) if isinstance(value, float)]
         found[name] = sum(values) / len(values) if values else None

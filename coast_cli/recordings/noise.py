@@ -33,7 +33,7 @@ LONGEST_GAP = 4
 MEMORY_IN_STRETCH = 0.2
 SURE = 0.35
 MOST_IN_RUNS, FEWEST_IN_RUN = 40_000, 400  # samples over all runs, and in one
-SLOW_UNSEEN = 0.45  # of the logarithm: what the slowest noise that counts as noise may lose to the signal
+SLOW_UNSEEN = 0.5  # of the logarithm: what the slowest noise that counts as noise may lose to the signal
 MODEL_ERROR = 0.02  # of the logarithm: noise is not exactly what it is taken for
 SLOW = 0.8  # AR(1) coefficient from which longer blocks, of fewer samples, are looked at besides
 

@@ -66,7 +66,7 @@ def test_a_row_says_what_is_in_the_run():
         ([joint(UP, driven_by_tension=True)], "driven by tension"),
         ([joint(UP)], "one run: held out are blocks"),
         ([joint(UP), joint(UP, "b"), joint(UP, "c", length=0.02)], "2 runs repeat"),
-        ([joint(UP)], "noise, where it is least sure"),
+        ([joint(UP)], "noise of all runs together"),
     ],
 )
 def test_what_it_can_and_cannot_decide(runs, words):
