@@ -90,9 +90,9 @@ def test_shapes_and_joints_in_one_call(coast, reference, tmp_path):
     shape.write_text("\n".join(lines) + "\n", encoding="utf-8")
     plot = tmp_path / "both.png"
     rows = json.loads(coast("compare", reference, RECORDING, shape, "-f", "json", "--plot", plot).out)["rows"]
-    assert [row["run"] for row in rows][-2:] == ["shape", "all"]
-    assert rows[-2]["rmse_shape_mm"] > 0.0
-    assert rows[-1]["rmse_shape_mm"] == rows[-2]["rmse_shape_mm"]
+    assert [row["run"] for row in rows][-3:] == ["shape", "mean", "all"]
+    assert rows[-3]["rmse_shape_mm"] > 0.0
+    assert rows[-1]["rmse_shape_mm"] == rows[-3]["rmse_shape_mm"]
     assert plot.exists()
 
 
