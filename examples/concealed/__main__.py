@@ -16,6 +16,7 @@ STEPS = {
     "score": "digest the answers, open the seal, print the table",
     "all": "make, run, score",
     "table": "print the figures of the kept answers",
+    "tune": "set deciding numbers of the diagnosis on tuning seeds",
     "drift": "ask some of the kept cases again and write by how much the answers have moved",
 }
 
@@ -35,7 +36,7 @@ def parser() -> argparse.ArgumentParser:
         step = steps.add_parser(name, help=text)
         if name != "laws":
             step.add_argument("--jobs", type=int, default=2, help="processes on this machine")
-        if name in ("make", "run", "score", "all"):
+        if name in ("make", "run", "score", "all", "tune"):
             step.add_argument("--out", type=Path, required=True, help="folder of the cases, answers and table")
         if name in ("make", "run", "all"):
             step.add_argument(
@@ -62,6 +63,12 @@ def parser() -> argparse.ArgumentParser:
                 "--into", type=Path, action="append", default=[], help="also put the table into this page"
             )
             step.add_argument("--plots", type=Path, help="also draw the pictures into this folder")
+        if name == "tune":
+            step.add_argument("--seeds", type=_seeds, required=True, help="FIRST:LAST, below those that are scored")
+            step.add_argument(
+                "--threshold", action="append", required=True, metavar="NAME=V,V", help="values to try (repeat)"
+            )
+            step.add_argument("--write", action="store_true", help="write the best values into the module")
         if name == "drift":
             step.add_argument("--cases", type=int, default=150)
     return top
@@ -77,7 +84,7 @@ def asked(given: argparse.Namespace) -> list[Job]:
 def main(arguments: list[str] | None = None) -> int:
     """Run one step; data go to stdout, the rest to stderr."""
     given = parser().parse_args(arguments)
-    step = {"laws": _laws, "table": _table, "drift": _drift}.get(given.step)
+    step = {"laws": _laws, "table": _table, "tune": _tune, "drift": _drift}.get(given.step)
     if step:
         step(given)
         return 0
@@ -116,6 +123,7 @@ def _score(given: argparse.Namespace) -> None:
     from examples.concealed.report import details, table
     from examples.concealed.scorer import score
     from examples.concealed.seal import key_of, open_seal
+    from examples.concealed.tune import FIRST_SCORED
 
     open_seal(given.out, key_of(asked(given)))
     scores = score(given.out, digest=given.sha256, baselines=given.baselines, jobs=given.jobs)
@@ -125,21 +133,37 @@ def _score(given: argparse.Namespace) -> None:
 
         draw_all(scores, given.out / "pictures")
     if given.keep:
+        if given.seeds.start < FIRST_SCORED:
+            raise SystemExit(f"seeds below {FIRST_SCORED} are for tuning: their figures are not kept")
         keep(scores)
 
 
 def _table(given: argparse.Namespace) -> None:
-    from examples.concealed.keep import kept, page, put
-    from examples.concealed.report import details
+    from examples.concealed.keep import kept, put, relation
+    from examples.concealed.report import details, table
 
-    text = page()
-    sys.stdout.write(text + (f"\n{details(kept())}" if given.details else ""))
+    scores = kept()
+    sys.stdout.write(f"{relation()}\n\n{table(scores)}" + (f"\n{details(scores)}" if given.details else ""))
     for path in given.into:
-        put(text, path)
+        put(path, scores)
     if given.plots:
         from examples.concealed.pictures import draw_all
 
-        draw_all(kept(), given.plots)
+        draw_all(scores, given.plots)
+
+
+def _tune(given: argparse.Namespace) -> None:
+    from examples.concealed.tune import best, put, tune
+
+    tried = {
+        name: [float(v) for v in values.split(",")] for name, _, values in (t.partition("=") for t in given.threshold)
+    }
+    trials = tune(given.out.resolve(), given.seeds, tried, given.jobs)
+    rows = "".join(f"| `{trial.name}` | {trial.value:g} | {trial.score:.4f} |\n" for trial in trials)
+    sys.stdout.write(f"| number | value | mean score |\n|---|---|---|\n{rows}\n")
+    sys.stdout.writelines(f"{name} = {trial.value:g}\n" for name, trial in best(trials).items())
+    if given.write:
+        put(trials)
 
 
 def _drift(given: argparse.Namespace) -> None:

@@ -14,6 +14,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from examples.concealed.bending import strain_per_curvature
 from examples.concealed.camera import noisy
 from examples.concealed.design import Joint, config_text
 from examples.concealed.draw import draw_world
@@ -246,7 +247,10 @@ def where(world: World, played: Played, name: str, runs: list[str]) -> list[dict
         if high - low <= 0.8 * float(np.ptp(along)):
             out.append(_place(axis, None, low, high))
         if key := THRESHOLDS.get((name, axis)):
-            out.append(_place(axis, None, float(parameters[key]), float(along.max())))  # type: ignore[arg-type]
+            knee = float(parameters[key])  # type: ignore[arg-type]
+            if key == "knee_strain":
+                knee /= strain_per_curvature(joint)
+            out.append(_place(axis, None, knee, float(along.max())))
     moving = np.concatenate([np.gradient(rows.drive[rows.run == run]) for run in range(len(world.protocol.runs))])
     load, release = (float(left[side].sum()) for side in (moving > 0, moving < 0))
     # A branch is where the excess is if it holds two thirds of it; else both are.
@@ -264,6 +268,8 @@ def _place(
 
 THRESHOLDS = {
     ("tendon_superelasticity", "tension"): "knee_tension_n",
+    ("tube_superelasticity", "curvature"): "knee_strain",
+    ("tube_hysteresis", "curvature"): "knee_strain",
     ("notch_closure", "curvature"): "contact_curvature_per_m",
 }
 

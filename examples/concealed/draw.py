@@ -185,6 +185,8 @@ def _try_world(
         robot = replace(robot, joint=replace(robot.joint, deadband=round(rng.uniform(0.3, 1.6), 2) * 1e-3))
     actual = _actual(rng, robot, level)
     curvature = _largest_curvature(rng, actual, protocol, names, wrist=wrist)
+    if _tendon_strain(actual, protocol, curvature) > 0.025:
+        return None
     noise = draw_noise(rng, slow=level in ("L0", "LP"))
     low, high = NOISE_RANGE[protocol.response]
     sigma = float(np.exp(rng.uniform(np.log(low), np.log(high))))
@@ -373,13 +375,21 @@ def _largest_curvature(
         return float(np.radians(rng.uniform(6, 22)) / actual.joint.middle.pitch)
     curvature = rng.uniform(10, 45)
     for plan in protocol.runs:
-        joint = actual.pair(plan.outer, plan.middle)
-        strain = (
-            float(joint.stroke(np.array(curvature), plan.length)[1]) * joint.tendon_compliance / joint.tendon_length
-        )
-        curvature *= min(1.0, 0.013 / strain)
+        alone = replace(protocol, runs=(plan,))
+        curvature *= min(1.0, 0.013 / _tendon_strain(actual, alone, curvature))
         curvature = min(curvature, 2.3 / plan.length)
     return float(curvature)
+
+
+def _tendon_strain(actual: Robot, protocol: Protocol, curvature: float) -> float:
+    """Return the largest strain of the tendon over all runs, nought without a tendon."""
+    if actual.joint.tendon_length == 0:
+        return 0.0
+    joints = [(actual.pair(plan.outer, plan.middle), plan.length) for plan in protocol.runs]
+    return max(
+        float(joint.stroke(np.array(curvature), length)[1]) * joint.tendon_compliance / joint.tendon_length
+        for joint, length in joints
+    )
 
 
 def _context(actual: Robot, protocol: Protocol, curvature: float) -> Context:

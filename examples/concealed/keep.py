@@ -101,19 +101,14 @@ def relation(path: Path = KEPT, drift: Path = DRIFT) -> str:
     )
 
 
-def page() -> str:
-    """Return what `table` prints: the relation to the code, then the figures."""
-    return f"{relation()}\n\n{table(kept())}"
-
-
-def put(text: str, path: Path) -> None:
-    """Replace what stands between the marks of a page."""
+def put(path: Path, scores: Scores) -> None:
+    """Put the table of these scores between the marks of a page."""
     words = path.read_text(encoding="utf-8")
     before, _, rest = words.partition(BEGIN)
     _, found, after = rest.partition(END)
     if not found:
         raise ValueError(f"{path} lacks the lines {BEGIN!r} and {END!r}, between which the table goes")
-    path.write_text(f"{before}{BEGIN}\n{text}{END}{after}", encoding="utf-8")
+    path.write_text(f"{before}{BEGIN}\n{table(scores)}{END}{after}", encoding="utf-8")
 
 
 def held(path: Path) -> str | None:

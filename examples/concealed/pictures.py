@@ -106,6 +106,8 @@ def error_against_noise(judged: list[Judgement]) -> Figure:
     axes.axline((0.1, 0.1), slope=1, color="0.6", linewidth=1)
     axes.set_xscale("log")
     axes.set_yscale("log")
+    axes.set_xticks([0.05, 0.1, 0.2, 0.5], ["0.05", "0.1", "0.2", "0.5"])
+    axes.minorticks_off()
     axes.set_xlabel("noise (1/m or degrees)")
     axes.set_ylabel("error on unseen rows, noiseless (same unit)")
     axes.legend(fontsize=8)

@@ -28,7 +28,10 @@ ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THRE
 
 @dataclass(frozen=True)
 class Question:
-    """One case to answer: its folder, runs to hold out, names to conceal, further words for `coast diagnose`."""
+    """One case to answer: its folder, runs to hold out, names to conceal, further words for `coast diagnose`.
+
+    `folder` is where below `out` the answer goes, `root` where the package lies that answers.
+    """
 
     out: Path
     case: Path
@@ -36,6 +39,7 @@ class Question:
     without: tuple[str, ...] = ()
     further: tuple[str, ...] = ()
     folder: str = "answers"
+    root: Path = ROOT
 
     @property
     def target(self) -> Path:
@@ -48,11 +52,11 @@ class Question:
         return self.out / self.folder / f"{self.case.name}.model.toml"
 
 
-def coast(*arguments: str) -> tuple[int, str, str]:
-    """Exit code, stdout and stderr of one `coast` command."""
+def coast(*arguments: str, root: Path = ROOT) -> tuple[int, str, str]:
+    """Exit code, stdout and stderr of one `coast` command, by the package that lies in `root`."""
     done = subprocess.run(
         [sys.executable, "-m", "coast_cli", *arguments],
-        cwd=ROOT,
+        cwd=root,
         env=os.environ | ONE_THREAD,
         capture_output=True,
         text=True,
@@ -130,7 +134,7 @@ def ask(question: Question, recordings: list[Path], model: Path | None) -> dict[
         arguments += ["--save-model", str(model)]
     begin = time.perf_counter()
     try:
-        code, stdout, stderr = coast(*arguments, *question.further)
+        code, stdout, stderr = coast(*arguments, *question.further, root=question.root)
     except subprocess.TimeoutExpired:
         code, stdout, stderr = -1, "", "timed out"
     try:
