@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +13,8 @@ from coast_cli.__main__ import main
 
 ROOT = Path(__file__).parents[1]
 REFERENCE = ROOT / "configs" / "tubes.toml"
+
+os.environ.pop("COLUMNS", None)  # what tests compare is as wide as it comes, whatever the terminal that started them
 
 
 @dataclass(frozen=True)

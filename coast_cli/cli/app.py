@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from contextlib import nullcontext, redirect_stdout
 from importlib import import_module
@@ -11,11 +12,23 @@ from typing import Annotated, Any
 import typer
 
 from coast_cli import __version__
+from coast_cli.cli.common import with_common_options
+from coast_cli.cli.examples import epilog
 from coast_cli.cli.paths import kept_apart
 from coast_cli.errors import UsageError, nearest
 from coast_cli.output.standard_streams import to_stdout
 
 INTERRUPTED = 130
+_COMPLETES = "_COAST_COMPLETE"  # set by the shell that asks how a line may go on
+FIRST = """coast: design and test the COAST guidewire robot.
+
+What to do first:
+  coast init                    write a commented configuration, tubes.toml
+  coast rank-pairs tubes.toml   which outer and middle tube go together
+  coast guide                   the pages of the guide, by topic
+  coast help                    all commands; `coast help COMMAND` shows examples
+"""
+_HELP = {"help_option_names": ["-h", "--help"]}
 # Each command and where its function is; `coast --help` loads them all, so their modules import nothing heavy.
 COMMANDS = {
     "rank-pairs": "coast_cli.cli.rank_pairs:rank_pairs",
@@ -40,6 +53,8 @@ COMMANDS = {
     "explain": "coast_cli.cli.explain:explain",
     "guide": "coast_cli.cli.guide:guide",
 }
+# Those that print no table, or one of their own form.
+TABLES = {*COMMANDS} - {"diagnose", "report", "init", "schema", "guide"}
 
 
 def run(arguments: list[str]) -> int:
@@ -50,14 +65,19 @@ def run(arguments: list[str]) -> int:
         Exception: of the type that ``refusal`` returns, what typer refuses of the command line.
         KeyboardInterrupt: interrupted by the user.
     """
+    if not arguments and _COMPLETES not in os.environ:
+        to_stdout(lambda stream: stream.write(FIRST))
+        return 0
+    if arguments[:1] == ["help"]:
+        arguments = [*arguments[1:], "--help"]
     asked = next((word for word in arguments if not word.startswith("-")), None)
     if asked is not None and asked not in COMMANDS:
         raise UsageError(f"there is no command {asked!r}. {_like(asked)} `coast --help` lists them.".replace("  ", " "))
     known = [asked] if asked in COMMANDS else list(COMMANDS)
     written = StringIO()  # help and version, which typer writes without a word for a full disk
     try:
-        with redirect_stdout(written) if {"--help", "--version"} & {*arguments} else nullcontext():
-            code = _app(known)(args=arguments, standalone_mode=False)
+        with redirect_stdout(written) if {"-h", "--help", "--version"} & {*arguments} else nullcontext():
+            code = _app(known)(args=arguments, prog_name="coast", standalone_mode=False)
     except typer.Abort:  # what older versions of typer make of an interrupt
         raise KeyboardInterrupt from None
     to_stdout(lambda stream: stream.write(written.getvalue()))
@@ -75,12 +95,13 @@ def refusal() -> type[Exception]:
 
 
 def _app(names: list[str]) -> Any:  # noqa: ANN401
-    app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
+    app = typer.Typer(rich_markup_mode=None, pretty_exceptions_enable=False, context_settings=_HELP)
     app.callback()(_coast)
     for name in names:
         module, function = COMMANDS[name].split(":")
         command = getattr(import_module(module), function)
-        app.command(name, short_help=_first_sentence(command))(kept_apart(command))
+        full = with_common_options(kept_apart(command), prints_table=name in TABLES)
+        app.command(name, short_help=_first_sentence(command), epilog=epilog(name), context_settings=_HELP)(full)
     return app
 
 

@@ -331,8 +331,7 @@ def designed_text(design: Design, pair: tuple[str, str], found: Found, name: str
     Raises:
         BadInput: a designed number lies outside what a configuration may hold.
     """
-    import tomli_w
-
+    from coast_cli.spec.edit import written
     from coast_cli.spec.load import load_config_text
 
     document = design.config.model_dump(exclude_unset=True)
@@ -351,6 +350,6 @@ def designed_text(design: Design, pair: tuple[str, str], found: Found, name: str
         names.append(sample["name"])
     if "joint" in document:
         document["joint"]["pair"] = "/".join(names)
-    text = tomli_w.dumps(document)
+    text = written(document, design.config.origin.text, {("joint", "pair"): "designed by coast design"})
     load_config_text(text, name)
     return text

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-import tomli_w
-
 from coast_cli import __version__
 from coast_cli.diagnosis.joint.problem import CONFIG_KEYS
+from coast_cli.spec.edit import path_of, written
 
 if TYPE_CHECKING:
     from coast_cli.diagnosis.answer import Diagnosis
@@ -34,10 +33,12 @@ def model_text(config: Config, diagnosis: Diagnosis, recordings: Recordings, nam
     from coast_cli.spec.load import load_config_text
 
     document = config.model_dump(exclude_unset=True)
-    for parameter, value in diagnosis.model_parameters.items():
-        put_number(document, CONFIG_KEYS.get(parameter, parameter), value)  # of shapes they are keys already
-    for key, tube in diagnosis.model_tubes.items():
-        put_number(document, key, tube)
+    fitted: dict[str, Any] = {
+        CONFIG_KEYS.get(parameter, parameter): value  # of shapes they are keys already
+        for parameter, value in diagnosis.model_parameters.items()
+    }
+    for key, value in (*fitted.items(), *diagnosis.model_tubes.items()):
+        put_number(document, key, value)
     found = {effect.id: _correction(effect) for effect in diagnosis.model_effects}
     # An effect of joint and shapes alike has one table, in which each finds its own parameters.
     corrections = {
@@ -47,7 +48,8 @@ def model_text(config: Config, diagnosis: Diagnosis, recordings: Recordings, nam
     if corrections:
         document["corrections"] = corrections
     put_spread(document, diagnosis.model_spread)
-    text = _comments(_origin(config, diagnosis, recordings)) + "\n" + tomli_w.dumps(document)
+    notes = dict.fromkeys((*fitted, *diagnosis.model_tubes), "fitted by coast diagnose")
+    text = _annotated(_origin(config, diagnosis, recordings), document, config, notes)
     load_config_text(text, name)
     return text
 
@@ -71,7 +73,11 @@ def calibrated_text(config: Config, calibration: Calibration, recordings: Record
         ),
         *(note for note in calibration.notes if "wants" not in note),
     ]
-    text = _comments(lines) + "\n" + tomli_w.dumps(document)
+    notes = {
+        one.parameter.key: f"fitted by coast calibrate, 90 % {one.low:.6g} to {one.high:.6g}"
+        for one in calibration.whole.estimates
+    }
+    text = _annotated(lines, document, config, notes)
     load_config_text(text, name)
     return text
 
@@ -87,6 +93,14 @@ def _correction(effect: Effect) -> dict[str, Any]:
     if effect.scope != "tube":
         values["recording"] = "shapes" if isinstance(effect, ShapeEffect) else "joint"
     return values
+
+
+def _annotated(lines: list[str], document: dict[str, Any], config: Config, notes: Mapping[str, str]) -> str:
+    """Return the text of a document below ``lines`` of comment; the comments of the configuration's own text stay."""
+    paths = {path_of(document, key): note for key, note in notes.items()}
+    paths |= {(*path, "value"): note for path, note in paths.items()}
+    body = written(document, config.origin.text, paths)
+    return _comments(lines) + ("#\n" if body.startswith("#") else "\n") + body
 
 
 def put_number(document: dict[str, Any], key: str, value: float | list[float]) -> None:

@@ -2,6 +2,39 @@
 
 from __future__ import annotations
 
+# What a table keeps first where not all of its columns have room; the others follow in their own order.
+IMPORTANT: dict[str, tuple[str, ...]] = {
+    "rank-pairs": (
+        *("rank", "outer", "middle", "reason", "score", "margin", "total_precurvature_rad", "rigidity_ratio_mean"),
+        *("total_rigidity_mean_n_m2", "leading_tube", "probability_passing", "probability_first", "pareto", "sample"),
+    ),
+    "path": ("feed_mm", "way", "stroke_mm", "bending_length_mm", "stage_advance_mm", "deviation_max_mm", "reachable"),
+    "check": ("pair", "check", "bound", "value", "limit", "passed", "error", "line"),
+    "explore": (
+        *("pair", "score", "outer_depth_mm", "middle_depth_mm", "total_precurvature_rad", "rigidity_ratio_mean"),
+        *("total_rigidity_mean_n_m2", "dominates_joint_pair", "stroke_mm", "web_strain"),
+    ),
+    "design": ("kind", "name", "start", "wanted", "value", "at_bound", "determined"),
+    "tolerance": (
+        "kind",
+        "name",
+        "input",
+        "nominal",
+        "limit",
+        "probability",
+        "median",
+        "low_90",
+        "high_90",
+        "total_effect",
+    ),
+    "explain": ("name", "meaning", "allowed", "kind"),
+    "validate": ("config", "valid", "line", "message"),
+    "recordings": ("run", "pair", "n", "dropped", "drive", "response", "noise", "load", "release", "hold", "cycles"),
+    "calibrate": ("parameter", "subset", "value", "low_90", "high_90", "configured", "conflict_sigma", "status"),
+    "sensitivity": ("subject", "figure", "input_of", "input", "change_percent", "per", "change", "unit"),
+    "plan": ("effect", "visible", "told_apart", "closest", "visible_noise", "apart_noise", "reason", "size"),
+}
+
 COLUMNS: dict[str, dict[str, str]] = {
     "rank-pairs": {
         "rank": "place in the list, best first; a pair with a reason cannot be assembled",

@@ -6,11 +6,13 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+from coast_cli.output.view import VIEW
+
 
 @contextmanager
 def progress(text: str, total: int, done: int = 0) -> Iterator[Callable[[], None]]:
     """Yield what to call after each of ``total`` steps, ``done`` of which were done before."""
-    if not sys.stderr.isatty():
+    if VIEW.get().quiet or not sys.stderr.isatty():
         yield lambda: None
         return
     from rich.console import Console

@@ -38,7 +38,7 @@ def provenance(
     if configs:
         from coast_cli.spec.digest import config_digest
 
-        origin["configs"] = [{"file": config.source, "sha256": config_digest(config)} for config in configs]
+        origin["configs"] = [_config(config.source, config_digest(config)) for config in configs]
     known = [{"file": path, "sha256": digest} for path, digest in recordings]
     if known:
         origin["recordings"] = known
@@ -47,3 +47,11 @@ def provenance(
     if seed is not None:
         origin["seed"] = seed
     return origin
+
+
+def _config(file: str, digest: str) -> dict[str, Any]:
+    """Return what a configuration was: its file, the values that stood for those in it, and its digest."""
+    from coast_cli.spec.changes import changes_of
+
+    changes = list(changes_of(file))
+    return {"file": file, **({"set": changes} if changes else {}), "sha256": digest}

@@ -20,7 +20,8 @@ from coast_cli.spec.positions import Path, line_comments
 from coast_cli.spec.tubes import Role, bench_tubes
 from coast_cli.spec.values import Calibrated
 
-_NO_INPUTS = ("version", "checks", "explore", "tolerances")  # limits and ranges have sections or commands of their own
+# Limits and ranges have sections or commands of their own; how sure a fit was is no input.
+_NO_INPUTS = ("version", "checks", "explore", "tolerances", "fitted")
 _ASSUMED = re.compile(r"\bassumed\b", re.IGNORECASE)
 
 

@@ -6,11 +6,13 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from coast_cli.output.view import VIEW
+
 
 @contextmanager
 def waiting(text: str) -> Iterator[None]:
     """Show ``text`` with a turning wheel until the block ends, where stderr is a terminal."""
-    if not sys.stderr.isatty():
+    if VIEW.get().quiet or not sys.stderr.isatty():
         yield
         return
     from rich.console import Console

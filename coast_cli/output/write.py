@@ -12,6 +12,7 @@ from coast_cli.errors import UsageError, printable
 from coast_cli.output.answer import Answer
 from coast_cli.output.atomic import Writer, write_files
 from coast_cli.output.standard_streams import to_stderr, to_stdout
+from coast_cli.output.view import VIEW, stdout_width
 
 FORMATS = ("table", "json", "csv", "markdown", "latex")
 SUFFIXES = {
@@ -49,17 +50,19 @@ def write_answer(
         raise UsageError(f"--format {format}: not a format of `coast {answer.command}`; allowed: {', '.join(formats)}.")
     renders = {path: _renderer(format_of(path, formats)) for path in outputs}
     answer.check_finite()
+    answer = VIEW.get().of(answer)
     beside = beside or {}
     write_files({path: partial(render, answer) for path, render in renders.items()} | dict(beside))
     for note in answer.notes:
         say(f"note: {note}")
     if format is not None or not (outputs or beside):
-        to_stdout(partial(_renderer(format or "table"), answer))
+        to_stdout(partial(_on_stdout(format or "table"), answer))
 
 
 def say(text: str) -> None:
-    """Tell the user something that is not data, on stderr."""
-    to_stderr(f"coast: {printable(text)}")
+    """Tell the user something that is not data, on stderr; nothing where quiet is asked for."""
+    if not VIEW.get().quiet:
+        to_stderr(f"coast: {printable(text)}")
 
 
 def format_of(path: Path, formats: Sequence[str] = FORMATS) -> str:
@@ -73,6 +76,14 @@ def format_of(path: Path, formats: Sequence[str] = FORMATS) -> str:
         hint = " A spreadsheet opens .csv." if path.suffix.lower() in {".xlsx", ".xls", ".ods"} else ""
         raise UsageError(f"-o {path}: the suffix does not say a format; allowed: {', '.join(known)}.{hint}")
     return known[path.suffix.lower()]
+
+
+def _on_stdout(format: str) -> Any:  # noqa: ANN401
+    """Return the renderer of a format, a table as wide as the terminal."""
+    if format != "table":
+        return _renderer(format)
+    view = VIEW.get()
+    return partial(_renderer(format), width=None if view.wide else stdout_width(), chosen=bool(view.show))
 
 
 def _renderer(format: str) -> Any:  # noqa: ANN401

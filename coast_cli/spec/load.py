@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, get_args
 from pydantic import BaseModel, ValidationError
 
 from coast_cli.errors import BadInput, nearest
+from coast_cli.spec.changes import changed
 from coast_cli.spec.config import Config, Origin
 from coast_cli.spec.explore import check_explore
 from coast_cli.spec.positions import key_positions
@@ -70,7 +71,7 @@ def read_text(path: str | Path) -> str:
             data = stream.read(LARGEST_FILE + 1)  # of a pipe nobody knows the size
         if len(data) > LARGEST_FILE:
             raise BadInput("the file is too large", file=path, allowed=f"at most {LARGEST_FILE} bytes")
-        return data.decode("utf-8-sig")
+        return changed(data.decode("utf-8-sig"), str(path))
     except FileNotFoundError:
         raise BadInput("there is no such file", file=path, hint=_similar_files(path)) from None
     except IsADirectoryError:

@@ -6,6 +6,7 @@ It runs on text that ``tomllib`` has accepted, so it checks nothing: it only wal
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import NamedTuple
 
 Path = tuple[str | int, ...]
@@ -39,6 +40,30 @@ def line_comments(text: str) -> dict[int, str]:
     return {place(start).line: text[start + 1 : end].strip() for start, end in scanner.comments}
 
 
+@dataclass(frozen=True)
+class Spans:
+    """Offsets of what a TOML text holds, for who writes into it.
+
+    Attributes:
+        keys: of each key, or of the header of each table, its first character.
+        values: of each value that follows an equals sign, from its first character to past its last.
+        tables: of each table with a header, past its last value, or past its header where it has none.
+        comments: from each mark to the end of its line.
+    """
+
+    keys: dict[Path, int]
+    values: dict[Path, tuple[int, int]]
+    tables: dict[Path, int]
+    comments: list[tuple[int, int]]
+
+
+def spans(text: str) -> Spans:
+    """Return where the values, tables and comments of a valid TOML text are."""
+    scanner = _Scanner(text)
+    scanner.scan()
+    return Spans(scanner.found, scanner.values, scanner.tables, scanner.comments)
+
+
 class _Scanner:
     """A cursor over the text; each method reads one construct and leaves the cursor behind it."""
 
@@ -47,7 +72,9 @@ class _Scanner:
         self.at = 0
         self.found: dict[Path, int] = {}
         self.last_index: dict[Path, int] = {}  # of each array of tables
-        self.comments: list[tuple[int, int]] = []  # from the mark to the end of the line
+        self.comments: list[tuple[int, int]] = []
+        self.values: dict[Path, tuple[int, int]] = {}
+        self.tables: dict[Path, int] = {}
 
     def scan(self) -> dict[Path, Position]:
         table: Path = ()
@@ -56,6 +83,7 @@ class _Scanner:
                 table = self._header()
             else:
                 self._pair(table)
+            self.tables[table] = self.at
         return self._positions()
 
     def _header(self) -> Path:
@@ -85,7 +113,9 @@ class _Scanner:
         self._skip_spaces()
         self.at += 1  # the equals sign
         self._skip_spaces()
+        start = self.at
         self._value(path)
+        self.values[path] = (start, start + len(self.text[start : self.at].rstrip()))
 
     def _value(self, path: Path) -> None:
         character = self._peek()

@@ -14,7 +14,6 @@ from coast_cli.cli import app
 @pytest.mark.parametrize(
     ("words", "code"),
     [
-        ((), 2),
         (("no-such-command",), 2),
         (("rank-pairs",), 2),
         (("rank-pairs", "{config}", "--no-such-option"), 2),

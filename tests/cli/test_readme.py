@@ -1,7 +1,8 @@
 """Every page shows real output: each ``console`` block is run and compared; run as a script, it writes them anew.
 
 The blocks of the README and of the guide stand alone, those of the walk through the examples follow one another. The
-guide's Python runs, and the README gives the CI its test command, word for word.
+guide's Python runs, and the README gives the CI its test command, word for word. Tables are those of a terminal of 100
+columns.
 """
 
 import doctest
@@ -24,6 +25,7 @@ from coast_cli.cli.guide import PAGES
 ROOT = Path(__file__).parents[2]
 README, WALK = ROOT / "README.md", ROOT / "examples" / "README.md"
 GUIDE = sorted(PAGES.glob("*.md"))
+WIDTH = "100"
 BLOCK = re.compile(
     r"(?<=^```console\n)\$ (?P<program>coast|python) (?P<words>.*)\n(?P<shown>(?:.*\n)*?)(?=^```$)", re.MULTILINE
 )
@@ -39,6 +41,7 @@ def enter(folder):
     for name in ("configs", "examples", "tests"):
         (folder / name).symlink_to(ROOT / name)
     os.chdir(folder)
+    os.environ["COLUMNS"] = WIDTH
 
 
 def printed(program, words):
@@ -57,6 +60,7 @@ def printed(program, words):
 @pytest.fixture
 def top(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", WIDTH)
     enter(tmp_path)
 
 

@@ -44,6 +44,8 @@ def test_ranking_loads_neither_scipy_nor_plots_nor_other_commands(reference):
     assert not {"scipy", "matplotlib", "skimage", "numba"} & set(modules)
     assert [name for name in own if name.startswith("coast_cli.cli.")] == [
         "coast_cli.cli.app",
+        "coast_cli.cli.common",
+        "coast_cli.cli.examples",
         "coast_cli.cli.options",
         "coast_cli.cli.paths",
         "coast_cli.cli.rank_pairs",
