@@ -8,6 +8,8 @@ from __future__ import annotations
 TYPE_CHECKING = False  # typing itself takes longer to load than all else here
 if TYPE_CHECKING:
     from coast_cli.design.checks import check_design as check_design
+    from coast_cli.design.joint_state import JointState as JointState
+    from coast_cli.design.joint_state import JointStep as JointStep
     from coast_cli.design.path import PathPlan as PathPlan
     from coast_cli.design.path import plan_path as plan_path
     from coast_cli.design.rank import Ranking as Ranking
@@ -99,6 +101,7 @@ __version__ = "0.1.0"
 
 _PUBLIC = {
     "design.checks": ("check_design",),
+    "design.joint_state": ("JointState", "JointStep"),
     "design.path": ("PathPlan", "plan_path"),
     "design.rank": ("RankOptions", "Ranking", "rank"),
     "design.sensitivity": ("sensitivity_rows",),

@@ -9,14 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from statistics import NormalDist
 from typing import Literal
 
 import numpy as np
 
 from coast_cli.effects.catalogue import in_order
 from coast_cli.effects.effect import Effect, History, Motion
-from coast_cli.effects.memory import follow
+from coast_cli.effects.memory import follow, waiting_parts
 from coast_cli.effects.stations import Stations, branch, stations_for
 from coast_cli.mechanics.joint import Joint
 from coast_cli.mechanics.section import FloatArray
@@ -26,7 +25,6 @@ ResponseKind = Literal["curvature", "bend", "notch", "position", "force"]
 # Distinct bending lengths tabulated one by one; a run that slides X2 continuously is interpolated between this many.
 _MOST_LENGTHS = 9
 _SLACK_SWEEPS = 12
-_PARTS = np.array([NormalDist().inv_cdf((place + 0.5) / 4) for place in range(4)])
 _SLACK_TOLERANCE = 1e-8  # m, far under any screw's step
 
 
@@ -234,10 +232,8 @@ def _state(low: FloatArray, high: FloatArray | None, stations: Stations, effects
     rounding = max(effect.rounding for effect in effects)
     if rounding == 0.0:
         return follow(low, high, stations.rest)
-    # Parts of the path that wait for more and for less than the mean, side by side (Prandtl and Ishlinskii).
-    width = np.exp(rounding * _PARTS)
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
-    parts = [follow(middle - part * half, middle + part * half, stations.rest) for part in width / width.mean()]
+    parts = [follow(middle - part * half, middle + part * half, stations.rest) for part in waiting_parts(rounding)]
     return np.asarray(np.mean(parts, axis=0))
 
 

@@ -6,10 +6,13 @@ the upper one, and in between it waits (Krasnosel'skii and Pokrovskii, Systems w
 
 from __future__ import annotations
 
+from statistics import NormalDist
+
 import numpy as np
 
 from coast_cli.mechanics.section import FloatArray
 
+_PARTS = np.array([NormalDist().inv_cdf((place + 0.5) / 4) for place in range(4)])
 _AT_ONCE = 1e-9  # s, far under any frame
 
 
@@ -30,6 +33,18 @@ def follow(low: FloatArray, high: FloatArray, rest: FloatArray | None = None) ->
         state = above if state > above else state  # noqa: FURB136
         states.append(state)
     return np.array(states)
+
+
+def waiting_parts(rounding: float) -> tuple[float, ...]:
+    """Return the widths, mean 1, of parts of the path that wait for more and for less, side by side (Prandtl and Ishlinskii).
+
+    Args:
+        rounding: standard deviation of ln of the width along the path; without any there is one part.
+    """
+    if rounding == 0.0:
+        return (1.0,)
+    width = np.exp(rounding * _PARTS)
+    return tuple((width / width.mean()).tolist())
 
 
 def relax(target: FloatArray, time: FloatArray, time_constant: float, start: FloatArray | float) -> FloatArray:
