@@ -34,6 +34,7 @@ COMMANDS = {
     "rank-pairs": "coast_cli.cli.rank_pairs:rank_pairs",
     "explore": "coast_cli.cli.explore:explore",
     "design": "coast_cli.cli.design:design",
+    "snap": "coast_cli.cli.snap:snap",
     "stroke": "coast_cli.cli.stroke:stroke",
     "path": "coast_cli.cli.path:path",
     "beam": "coast_cli.cli.beam:beam",

@@ -76,7 +76,7 @@ def at_the_point(design: Design, outer: Tubes, middle: Tubes) -> dict[str, Float
     config, names = design.config, point_figure_names(design.config)
     if config.checks is None or not names:
         return {}
-    joint = _some_joint(config)
+    joint = some_joint(config)
     columns: dict[str, FloatArray] = {}
     if config.checks.max_stroke_mm is not None:
         point = config.checks.max_stroke_mm
@@ -128,7 +128,7 @@ def assembles(config: Config, outer: Tubes, middle: Tubes) -> NDArray[np.bool_]:
     return np.asarray(outer.possible & middle.possible & nested & (2.0 * middle.inner_radius > tendon))
 
 
-def _some_joint(config: Config) -> Joint:
+def some_joint(config: Config) -> Joint:
     """Return the joint with any tubes that go together: its own numbers are what counts."""
     outer, middle = bench_tubes(config, "outer"), bench_tubes(config, "middle")
     pairs = ((one.name, two.name) for two in middle for one in outer if assembly_fault(config, one, two) is None)

@@ -221,7 +221,7 @@ def tension(joint: DrivenSegment, curvature: ArrayLike, bending_length: ArrayLik
 
     EI kappa is the moment of linear tubes; past the plateau of a superelastic one it is less.
     """
-    per_curvature = _friction_gain(joint, bending_length) * joint.rigidity / joint.lever_arm
+    per_curvature = friction_gain(joint, bending_length) * joint.rigidity / joint.lever_arm
     return np.asarray(per_curvature * joint.softening.carried(np.asarray(curvature, dtype=float)))
 
 
@@ -250,7 +250,7 @@ def curvature_from_stroke(joint: DrivenSegment, stroke_length: ArrayLike, bendin
     tendon = _tendon(joint)
     drive, length = np.broadcast_arrays(np.asarray(stroke_length, dtype=float), np.asarray(bending_length, dtype=float))
     wanted = np.maximum(drive - joint.deadband, 0.0)
-    stretch = _friction_gain(joint, length) * joint.rigidity / joint.lever_arm / tendon.stiffness
+    stretch = friction_gain(joint, length) * joint.rigidity / joint.lever_arm / tendon.stiffness
     kappa = wanted / (stretch + length * joint.lever_arm)
     count = length / joint.pitch
     steps, error = 0, np.inf
@@ -281,7 +281,8 @@ def tip(curvature: ArrayLike, bending_length: ArrayLike) -> tuple[FloatArray, Fl
     return np.asarray(along), np.asarray(across)
 
 
-def _friction_gain(joint: DrivenSegment, bending_length: ArrayLike) -> FloatArray:
+def friction_gain(joint: DrivenSegment, bending_length: ArrayLike) -> FloatArray:
+    """Return the tension at the actuator over that at the segment, e^(mu alpha) eta^(X2/pitch) (P (10)-(11))."""
     notches = np.asarray(bending_length, dtype=float) / joint.pitch
     return np.asarray(np.exp(joint.pulley_friction * joint.wrap_angle) * joint.notch_friction**notches)
 

@@ -22,11 +22,13 @@ across, 1/G = 1/GJ_outer + 1/GJ_middle. Without notches and tendon it is their c
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from coast_cli.mechanics.section import FloatArray
 
+Number = Any  # a float, or an array of the shape of the pairs
 _HALVINGS = 80
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(48)
 
@@ -71,7 +73,10 @@ def crossing(segment: TendonInBore) -> Crossing:
     away = np.maximum(-np.asarray(segment.rest, dtype=float), 0.0)
     arm = segment.axis + segment.play
     straight = np.sqrt(away / arm)
-    index = segment.length * straight / np.pi
+    index = np.asarray(segment.length * straight / np.pi)
+    if not np.any(index > 1.0):
+        nothing = np.full(index.shape, np.nan)
+        return Crossing(index, nothing, nothing, nothing, nothing)
     with np.errstate(divide="ignore", invalid="ignore"):
         wave = _jump(away, segment, straight)
         tension = segment.rigidity * wave**2
@@ -141,36 +146,58 @@ def _mean_arm_at_rest(away: FloatArray, segment: TendonInBore) -> FloatArray:
 class RollingPair:
     """Two tubes one in the other, bent in one plane by natural curvatures and by the tendon in the middle one; SI.
 
+    Numbers, or arrays of one shape for many pairs.
+
     Attributes:
         natural: curvatures of outer and middle tube towards the tendon, 1/m. rigidity, across, torsion: of each: in the
             plane of its notches and across it, and in torsion, N m^2. length: m.
     """
 
-    natural: tuple[float, float]
-    rigidity: tuple[float, float]
-    across: tuple[float, float]
-    torsion: tuple[float, float]
+    natural: tuple[Number, Number]
+    rigidity: tuple[Number, Number]
+    across: tuple[Number, Number]
+    torsion: tuple[Number, Number]
     length: float
 
     @property
-    def rest(self) -> float:
+    def rest(self) -> Number:
         """Curvature without tension, 1/m."""
-        moments = (e * k for e, k in zip(self.rigidity, self.natural, strict=True))
-        return sum(moments) / sum(self.rigidity)
+        (one, two), (first, second) = self.rigidity, self.natural
+        return (one * first + two * second) / (one + two)
 
     @property
-    def shear(self) -> float:
+    def shear(self) -> Number:
         """Torsional rigidity of both tubes against each other, N m^2."""
         one, two = self.torsion
         return one * two / (one + two)
 
 
-def roll_index(pair: RollingPair, curvature: FloatArray) -> FloatArray:
+def roll_index(pair: RollingPair, curvature: Number) -> FloatArray:
     """Return L sqrt(S/G)/(pi/2) where the tendon holds a curvature (1/m): the pair stays in its plane up to 1."""
     moment = pair.rigidity[0] * (curvature - pair.natural[0])
     one, two = pair.across
     wish = (moment - curvature * one) * (moment + curvature * two) / (one + two)
     return np.asarray(pair.length * np.sqrt(np.maximum(wish, 0.0) / pair.shear) / (0.5 * np.pi))
+
+
+def largest_roll_index(pair: RollingPair, largest: float) -> tuple[FloatArray, FloatArray]:
+    """Return the largest index on the way from rest to a curvature (1/m), and the curvature where it is."""
+    plane, (one, two) = pair.rigidity[0], pair.across
+    with np.errstate(divide="ignore", invalid="ignore"):
+        turning = plane * pair.natural[0] * (2.0 * plane - one + two) / (2.0 * (plane - one) * (plane + two))
+    end = np.maximum(largest, pair.rest)
+    bends = np.stack(np.broadcast_arrays(pair.rest, end, np.clip(np.nan_to_num(turning), pair.rest, end)))
+    found = np.stack([roll_index(pair, bend) for bend in bends])
+    best = np.argmax(found, axis=0)[None]
+    return np.take_along_axis(found, best, axis=0)[0], np.take_along_axis(bends, best, axis=0)[0]
+
+
+def roll_begins(pair: RollingPair, at: float, count: int = 4097) -> float:
+    """Return the curvature (1/m) from rest to ``at``, where the index is above 1, at which it passes 1."""
+    bends = np.linspace(pair.rest, at, count)
+    index = roll_index(pair, bends)
+    first = int(np.argmax(index > 1.0))
+    return float(bends[0] if first == 0 else np.interp(1.0, index[first - 1 : first + 1], bends[first - 1 : first + 1]))
 
 
 def rolled(pair: RollingPair, curvature: float, count: int = 721) -> float:

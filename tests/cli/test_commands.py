@@ -13,6 +13,7 @@ from coast_cli.output.columns import COLUMNS
 
 COMMANDS = {
     "rank-pairs": ("{config}",),
+    "snap": ("{config}",),
     "stroke": ("{config}", "--kappa", "0:40:10", "--x2", "20,30"),
     "beam": ("{config}", "--tube", "OT4", "--points", "7"),
     "check": ("{config}",),
