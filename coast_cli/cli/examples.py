@@ -9,6 +9,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "rank-pairs": (f"{_CONFIG}", f"{_CONFIG} --rigidity series --top 3", f"{_CONFIG} --sort -margin -o ranking.csv"),
     "explore": ("examples/explore.toml --top 10 --all pairs.csv",),
     "design": (f"{_CONFIG} --target rigidity_ratio_series=2.5 --vary outer.depth_mm --save designed.toml",),
+    "snap": (f"{_CONFIG}", f"{_CONFIG} --x2 30 --sort margin"),
     "stroke": (f"{_CONFIG} --kappa 0:40:10 --x2 20,40", f"{_CONFIG} --stroke 2.5 --x2 30 --pair OT3/MT1"),
     "path": (f"{_CONFIG} --path examples/path/branch.csv",),
     "beam": (f"{_CONFIG} --tube MT3 --points 6",),
