@@ -5,17 +5,19 @@ from __future__ import annotations
 from typing import IO
 
 from coast_cli.output.answer import Answer
-from coast_cli.output.junit import sentence
+from coast_cli.output.junit import failed, sentence
 
 
 def render(answer: Answer, stream: IO[str]) -> None:
-    """Write the failed rows of ``coast check`` as ``::error`` commands, or one ``::notice`` where all passed."""
-    failed = [row for row in answer.rows if not row["passed"]]
-    for row in failed:
-        place = f"file={_property(str(row['config']))},line={row['line'] or 1},title=coast check"
+    """Write the failed rows of ``coast check`` or ``coast validate`` as ``::error``, or one ``::notice`` where there are none."""
+    title = f"coast {answer.command}"
+    wrong = [row for row in answer.rows if failed(row)]
+    for row in wrong:
+        place = f"file={_property(str(row['config']))},line={row['line'] or 1},title={title}"
         stream.write(f"::error {place}::{_data(sentence(row))}\n")
-    if not failed:
-        stream.write(f"::notice title=coast check::{len(answer.rows)} limits hold\n")
+    if not wrong:
+        held = "limits hold" if answer.command == "check" else "configurations can be used"
+        stream.write(f"::notice title={title}::{len(answer.rows)} {held}\n")
 
 
 def _data(text: str) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
@@ -24,8 +25,9 @@ if TYPE_CHECKING:
 
 REFERENCE = Path(__file__).with_name("reference.toml")
 LARGEST_FILE = 5_000_000
+MISSING = "a required key is missing"
 _ADVICE = {
-    "missing": "a required key is missing",
+    "missing": MISSING,
     "extra_forbidden": "there is no such key",
     "too_short": "nothing in it",
 }
@@ -44,6 +46,20 @@ def load_config(path: str | Path) -> Config:
 
 def load_config_text(text: str, name: str = "<text>") -> Config:
     """Validate the text of a configuration; ``name`` stands for its file in errors."""
+    config, refused = read_document(text, name)
+    if config is None:
+        raise next(refused)
+    check_design(config)
+    check_explore(config)
+    return config
+
+
+def read_document(text: str, name: str) -> tuple[Config | None, Iterator[BadInput]]:
+    """Return what a text says, or None with what is wrong with its keys and values, the one to tell first before others.
+
+    Raises:
+        BadInput: it is no TOML, or empty.
+    """
     try:
         tables = tomllib.loads(text)
     except ValueError as error:  # TOMLDecodeError, or an integer of thousands of digits
@@ -56,11 +72,9 @@ def load_config_text(text: str, name: str = "<text>") -> Config:
     try:
         config = Config.model_validate(tables)
     except ValidationError as error:
-        raise _first_refusal(error.errors(include_url=False), origin) from None
+        return None, _refusals(error.errors(include_url=False), origin)
     config._origin = origin  # noqa: SLF001  # the one place that knows it
-    check_design(config)
-    check_explore(config)
-    return config
+    return config, iter(())
 
 
 def read_text(path: str | Path) -> str:
@@ -103,14 +117,14 @@ def not_toml(error: ValueError, text: str, name: str) -> BadInput:
     return BadInput(f"not valid TOML: {message[:1].lower()}{message[1:]}", file=name, line=line, column=column)
 
 
-def _first_refusal(errors: list[ErrorDetails], origin: Origin) -> BadInput:
-    """Return the refusal to show: a misspelt key first, since what it leaves missing follows from it, then by place."""
+def _refusals(errors: list[ErrorDetails], origin: Origin) -> Iterator[BadInput]:
+    """Return the refusals in order: misspelt keys first, since what they leave missing follows from them, then by place."""
 
     def order(error: ErrorDetails) -> tuple[bool, int]:
         place = origin.positions.get(_key_path(error))
         return (error["type"] != "extra_forbidden", place.line if place else 0)
 
-    return _refusal(min(errors, key=order), origin)
+    return (_refusal(error, origin) for error in sorted(errors, key=order))
 
 
 def _refusal(error: ErrorDetails, origin: Origin) -> BadInput:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Literal
 
 from coast_cli.errors import BadInput, nearest
@@ -47,23 +49,60 @@ def check_design(config: Config) -> None:
     Raises:
         BadInput: placed at the offending key.
     """
+    for rule in rules(config):
+        rule.check()
+
+
+@dataclass(frozen=True)
+class Rule:
+    """One thing that a document must keep to; ``check`` raises BadInput where it does not.
+
+    Attributes:
+        check: what raises.
+        of_all: it looks at every tube, so it says nothing of a document in which one tube is wrong by itself.
+    """
+
+    check: Callable[[], object]
+    of_all: bool = False
+
+
+def rules(config: Config) -> Iterator[Rule]:
+    """Yield what is checked, in the order in which it is told."""
+    yield Rule(partial(_check_any_tube, config))
+    yield Rule(partial(check_superelastic, config))
+    yield Rule(partial(_check_names, config))
+    yield Rule(partial(_check_size, config))
+    roles: tuple[Role, ...] = ("outer", "middle")
+    for role in roles:
+        stock: Stock | None = getattr(config, role)
+        if stock is not None:
+            yield from (Rule(_Merge(config, role, stock, *each).tube) for each in enumerate(stock.samples))
+    yield Rule(partial(_check_fits, config), of_all=True)
+    yield Rule(partial(_check_assembly, config), of_all=True)
+    yield Rule(partial(_check_pair, config))
+    yield Rule(partial(_check_limits, config))
+    yield Rule(partial(_check_corrections, config))
+    yield Rule(partial(_check_fitted, config))
+
+
+def _check_any_tube(config: Config) -> None:
     if config.outer is None and config.middle is None:
         raise config.refuse((), "there is no tube", allowed="an [outer] table, a [middle] table or both")
-    check_superelastic(config)
-    _check_names(config)
-    _check_size(config)
-    tubes = {role: bench_tubes(config, role) for role in ("outer", "middle")}
-    _check_fits(config)
-    if tubes["outer"] and tubes["middle"]:
-        widest = max(tubes["outer"], key=lambda tube: tube.inner_diameter_mm)
-        if all(assembly_fault(config, widest, middle) for middle in tubes["middle"]):
-            reason = assembly_fault(config, tubes["outer"][0], tubes["middle"][0])
-            raise config.refuse(("middle", "outer_diameter_mm"), f"no pair can be assembled: {reason}")
+
+
+def _check_assembly(config: Config) -> None:
+    outer, middle = bench_tubes(config, "outer"), bench_tubes(config, "middle")
+    if not (outer and middle):
+        return
+    widest = max(outer, key=lambda tube: tube.inner_diameter_mm)
+    if all(assembly_fault(config, widest, one) for one in middle):
+        reason = assembly_fault(config, outer[0], middle[0])
+        raise config.refuse(("middle", "outer_diameter_mm"), f"no pair can be assembled: {reason}")
+
+
+def _check_pair(config: Config) -> None:
     if config.joint is not None and config.joint.pair is not None:
         pair_names(config, config.joint.pair)
-    _check_limits(config)
-    _check_corrections(config)
-    _check_fitted(config)
 
 
 def assembly_fault(config: Config, outer: BenchTube | None, middle: BenchTube) -> str | None:

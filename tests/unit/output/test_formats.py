@@ -128,16 +128,16 @@ def test_a_configuration_that_was_not_checked_is_an_error_and_no_failure():
     root = ET.fromstring(rendered(junit, answer_of([*CHECKS, BROKEN])))
     assert [root.get(name) for name in ("tests", "failures", "errors")] == ["4", "2", "1"]
     assert root.find(".//error").get("message") == "<x>.toml: the file is empty."
-    line = rendered(github, answer_of([BROKEN])).splitlines()[0]
+    line = rendered(github, Answer("check", [BROKEN])).splitlines()[0]
     assert line == "::error file=<x>.toml,line=1,title=coast check::<x>.toml: the file is empty."
 
 
 def test_github_escapes_what_its_commands_reserve():
-    lines = rendered(github, answer_of(CHECKS)).splitlines()
+    lines = rendered(github, Answer("check", CHECKS)).splitlines()
     assert lines[1] == (
         "::error file=c%2Cd%3Ae%25.toml,line=7,title=coast check::A/B: max_stroke_mm is 9, past its max of 6"
     )
-    assert rendered(github, answer_of(CHECKS[:1])) == "::notice title=coast check::1 limits hold\n"
+    assert rendered(github, Answer("check", CHECKS[:1])) == "::notice title=coast check::1 limits hold\n"
 
 
 def test_columns_are_rows_made_one_at_a_time():
