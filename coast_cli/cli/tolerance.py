@@ -36,7 +36,7 @@ def tolerance(
     with any number of jobs. Interrupted, it keeps what is done in a file of the working folder, which it names, and the same
     command goes on from there.
     """
-    from coast_cli.design.samples import BLOCK
+    from coast_cli.design.samples import samples_in_block
     from coast_cli.design.tolerance import tolerance_rows
     from coast_cli.design.work import workers
     from coast_cli.errors import UsageError
@@ -58,8 +58,9 @@ def tolerance(
         raise UsageError(f"--only {only}: allowed: one or several of {', '.join(KINDS)}.")
     origin = provenance(document, options={"pair": f"{outer}/{middle}", "samples": samples}, seed=seed)
     done = Kept(f"{config.stem}.tolerance", repr(origin))
+    blocks = -(-samples // samples_in_block((design.tube(outer), design.tube(middle))))
     with kept_when_stopped(done):
-        with workers(jobs, None) as executor, progress("blocks", -(-samples // BLOCK), done.blocks) as advance:
+        with workers(jobs, None) as executor, progress("blocks", blocks, done.blocks) as advance:
 
             def keep(figures: Mapping[str, FloatArray]) -> None:
                 done.write({}, figures)

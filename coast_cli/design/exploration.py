@@ -83,8 +83,7 @@ def explore(
     sampled = front.size
     tried = dict.fromkeys(_COUNTS, 0)
     for number in range(1, rounds + 1):
-        found = refine(text, config.source, front, number)
-        if found is not None:
+        for found in refine(text, config.source, front, number):
             _count(found, tried)
             front.add(found.costs, found.front)
         advance()

@@ -5,7 +5,7 @@ A block is a function of the configuration's text and its number alone, so any p
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -20,7 +20,7 @@ from coast_cli.design.space import Space, space
 from coast_cli.errors import NotConverged
 from coast_cli.mechanics.pairs import BentTubes, bent, every_pair, listed_pairs
 from coast_cli.mechanics.section import FloatArray
-from coast_cli.mechanics.tubes import Rows, Tubes, tubes_of
+from coast_cli.mechanics.tubes import Rows, Tubes, block_size, tubes_of
 from coast_cli.spec.build import Design, build
 from coast_cli.spec.config import Config
 from coast_cli.spec.explore import Explore
@@ -81,8 +81,9 @@ class Block:
 
 
 def tasks(text: str, name: str, size: int = CHUNK, *, every: bool = True) -> list[Task]:
-    """Return the blocks of a configuration in their order."""
+    """Return the blocks of a configuration in their order, of at most ``size`` tubes of a role."""
     found = _study(text, name)
+    size = min(size, found.tubes_in_block(size))
     counts = [-(-len(found.shares(role)) // size) for role in ROLES]
     return [Task(text, name, size, one, two, every) for one in range(counts[0]) for two in range(counts[1])]
 
@@ -98,12 +99,12 @@ def explore_block(task: Task) -> Block:
     return study.block((outer, middle), (first, second), figures, outer.size * middle.size, every=task.every)
 
 
-def refine(text: str, name: str, front: Front, round_number: int) -> Block | None:
-    """Return pairs tried in boxes round the front, half as wide in each round; None where nothing is to refine."""
+def refine(text: str, name: str, front: Front, round_number: int) -> Iterator[Block]:
+    """Yield pairs tried in boxes round the front, half as wide in each round; none where nothing is to refine."""
     study = _study(text, name)
     axes = study.space.outer.axes + study.space.middle.axes
     if front.size == 0:
-        return None
+        return
     from scipy.stats import qmc
 
     order = np.lexsort((front.costs if front.costs is not None else np.zeros((0, 1))).T)
@@ -113,7 +114,9 @@ def refine(text: str, name: str, front: Front, round_number: int) -> Block | Non
     moves = qmc.Sobol(axes, seed=seed).random(_PARENTS * _CHILDREN)[: len(parents) * _CHILDREN] - 0.5
     width = _FIRST_BOX * _SHRINKING ** (round_number - 1)
     shares = np.clip(np.repeat(centre, _CHILDREN, axis=0) + width * moves, 0.0, 1.0)
-    return study.pairs(shares)
+    step = study.tubes_in_block(len(shares))
+    for first in range(0, len(shares), step):
+        yield study.pairs(shares[first : first + step])
 
 
 class _Study:
@@ -136,6 +139,11 @@ class _Study:
             values = part.values(found)
             self._shares[role] = found[np.lexsort([values[key] for key in ("uncut_mm", "cut_mm", "count")])]
         return self._shares[role]
+
+    def tubes_in_block(self, most: int) -> int:
+        """Return how many tubes of either role are solved at a time."""
+        counts = [self.space.role(role).values(self.shares(role))["count"].max() for role in ROLES]
+        return block_size(int(sum(counts)), most)
 
     def chunk(self, role: Role, number: int, size: int) -> _Chunk:
         """Return one chunk of a role, solved; some are kept: of the middle tubes, which come round, the first ones."""

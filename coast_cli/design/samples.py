@@ -6,7 +6,7 @@ shared out. What stays in memory are the figures; tubes and beams go with their 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import Executor
 from dataclasses import dataclass
 
@@ -20,9 +20,10 @@ from coast_cli.design.work import in_order
 from coast_cli.mechanics.pairs import bent, listed_pairs
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.mechanics.tube import NotchedTube
+from coast_cli.mechanics.tubes import block_size
 from coast_cli.spec.build import Design
 
-BLOCK = 2048  # samples; 50 kB of memory each while they are solved
+BLOCK = 2048  # samples at most; fewer where tubes have many notches, so that memory is bounded
 Keep = Callable[[Mapping[str, FloatArray]], None]
 
 
@@ -56,6 +57,11 @@ class Task:
     count: int
 
 
+def samples_in_block(tubes: Iterable[NotchedTube]) -> int:
+    """Return how many samples of tubes are solved at a time."""
+    return block_size(sum(tube.count for tube in tubes), BLOCK)
+
+
 def sampled(
     design: Design,
     pair: tuple[str, str],
@@ -76,7 +82,8 @@ def sampled(
     columns = {name: np.empty(samples) for name in _names(design)}
     for name, values in beginning.items():
         columns[name][:done] = values
-    tasks = (Task(design, pair, seed, first, min(BLOCK, samples - first)) for first in range(done, samples, BLOCK))
+    step = samples_in_block(design.tube(name) for name in pair)
+    tasks = (Task(design, pair, seed, first, min(step, samples - first)) for first in range(done, samples, step))
     for block in in_order(*executor, solve_block, tasks):
         count = block["total_precurvature_rad"].size
         for name, values in block.items():
@@ -106,8 +113,9 @@ def make_pairs(
     design: Design, varied: Variation, tubes: tuple[NotchedTube, NotchedTube], draws: FloatArray
 ) -> Mapping[str, FloatArray]:
     """Return the figures of a pair for each row of probabilities, shape (m, inputs), block by block."""
+    step = samples_in_block(tubes)
     parts = [
-        make_pair(design, varied, tubes, draws[first : first + BLOCK]).columns for first in range(0, len(draws), BLOCK)
+        make_pair(design, varied, tubes, draws[first : first + step]).columns for first in range(0, len(draws), step)
     ]
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 

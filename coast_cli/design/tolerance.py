@@ -18,7 +18,7 @@ from coast_cli.design.indices import sobol_indices_of
 from coast_cli.design.limits import assembles, at_the_point, limits
 from coast_cli.design.rank import RankOptions, scores_of
 from coast_cli.design.references import rank_references
-from coast_cli.design.samples import Keep, Made, make_pair, make_pairs, sampled, shares
+from coast_cli.design.samples import Keep, Made, make_pair, make_pairs, sampled, samples_in_block, shares
 from coast_cli.design.variation import Variation, variation
 from coast_cli.errors import NotConverged
 from coast_cli.mechanics.pairs import BentTubes, bent, listed_pairs
@@ -95,15 +95,31 @@ def chances(
 
     The bench is sampled as a whole: a tube has the same errors in every pair that it is part of.
     """
+    bench = (*design.outer, *design.middle)
+    varied, step = variation(design.config, bench), samples_in_block(bench)
+    made = [
+        _bench_as_made(design, options, varied, shares(seed, len(varied.inputs), first, min(step, samples - first)))
+        for first in range(0, samples, step)
+    ]
+    passing, costs = (np.concatenate([block[index] for block in made], axis=-1) for index in (0, 1))
+    scores = scores_of(costs, options.weights, [reference.value for reference in rank_references(design.config)])
+    best = np.argmin(scores, axis=0)
+    return passing.astype(bool), (np.arange(len(costs))[:, None] == best) & np.isfinite(scores)
+
+
+def _bench_as_made(
+    design: Design, options: RankOptions, varied: Variation, draws: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return for each pair and sample whether it passes all checks, and its costs, shape (pairs, 3, samples)."""
     config = design.config
-    varied = variation(config, (*design.outer, *design.middle))
-    draws = shares(seed, len(varied.inputs), 0, samples)
-    roll = varied.roll(draws)
-    tubes = {tube.name: varied.tube(tube, draws) for tube in (*design.outer, *design.middle)}
-    solved = {tube.name: _solved(design, tube, tubes[tube.name], roll) for tube in design.outer}
-    solved |= {tube.name: _solved(design, tube, tubes[tube.name], 0.0 * roll) for tube in design.middle}
+    nominal = np.append(draws, np.full((1, draws.shape[1]), 0.5), axis=0)  # the last row, which is a tube
+    roll = varied.roll(nominal)
+    tubes = {tube.name: varied.tube(tube, nominal) for tube in (*design.outer, *design.middle)}
+    solved = {tube.name: _solved(design, tubes[tube.name], roll) for tube in design.outer}
+    solved |= {tube.name: _solved(design, tubes[tube.name], 0.0 * roll) for tube in design.middle}
     bounds = limits(config)
-    every = np.arange(samples)
+    every = np.arange(len(draws))
+    tubes = {name: made.picked(every) for name, made in tubes.items()}
     costs, passing = [], []
     for two in design.middle:
         for one in design.outer:
@@ -118,21 +134,13 @@ def chances(
             total = columns[f"total_rigidity_{options.rigidity}_n_m2"]
             cost = np.stack((columns["total_precurvature_rad"], ratio, total))
             costs.append(np.where(possible, cost, np.nan))
-    table = np.stack(costs)  # (pairs, 3, samples)
-    scores = scores_of(table, options.weights, [reference.value for reference in rank_references(config)])
-    best = np.argmin(scores, axis=0)
-    return np.stack(passing), (np.arange(len(costs))[:, None] == best) & np.isfinite(scores)
+    return np.stack(passing), np.stack(costs)
 
 
-def _solved(design: Design, tube: NotchedTube, made: Tubes, roll: FloatArray) -> BentTubes:
-    """Solve tubes as made, in which another sample stands in for each impossible tube, which passes nothing anyhow."""
-    if np.all(made.possible):
-        return bent(made, design.gravity, roll=roll)
-    rows = np.flatnonzero(made.possible)
-    if rows.size == 0:
-        raise NotConverged(f"{tube.name}: with these tolerances no sample is a tube: give smaller ones.")
-    nearest = rows[np.minimum(np.searchsorted(rows, np.arange(made.size)), rows.size - 1)]
-    return bent(made.picked(nearest), design.gravity, roll=roll[nearest])
+def _solved(design: Design, made: Tubes, roll: FloatArray) -> BentTubes:
+    """Solve tubes as made, in which the last stands in for each impossible one, which passes nothing anyhow."""
+    rows = np.where(made.possible, np.arange(made.size), made.size - 1)
+    return bent(made.picked(rows), design.gravity, roll=roll[rows])
 
 
 def _first_places(design: Design, seed: int, samples: int) -> list[Row]:

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 
 _KEPT = ("possible", "pitch", "ring", "notch", "rigidity_mean", "rigidity_series")  # of picked tubes
+_BLOCK_BYTES, _TABLES = 256e6, 20  # of one block of tubes, and how many tables of their pieces are held while solving
 Rows = NDArray[np.int64]
 
 
@@ -165,6 +166,11 @@ class Tubes:
         radii = some.outer_radius[:, None], some.inner_radius[:, None]
         found[rows], notes = end_length(*radii, some.depth, some.cut, some.uncut, some.section)
         return found, notes
+
+
+def block_size(notches: int, most: int) -> int:
+    """Return how many tubes (or pairs, of so many notches together) fit into one block of bounded memory, 1 to most."""
+    return max(1, min(most, int(_BLOCK_BYTES / (8 * _TABLES * 2 * notches))))
 
 
 def tubes_of(tubes: Sequence[NotchedTube]) -> Tubes:
