@@ -14,7 +14,13 @@ from math import cos, sin
 import numpy as np
 from numpy.typing import NDArray
 
-from coast_cli.mechanics.beam.step import Number, segment_displacement, segment_tangent, segment_turn
+from coast_cli.mechanics.beam.step import (
+    Number,
+    segment_displacement,
+    segment_tangent,
+    segment_turn,
+    segment_turn_short,
+)
 from coast_cli.mechanics.section import FloatArray
 
 Piece = tuple[Number, Number, Number, Number]
@@ -105,6 +111,14 @@ class BeamProblem:
         parts: NDArray[np.int64] = np.ceil(np.max(most, axis=1, initial=0.0) / turn).astype(np.int64)
         return np.clip(parts, 1, _MOST_PARTS)
 
+    def turns_little(self, turn: float, moment: FloatArray) -> list[bool]:
+        """Return of which pieces none turns by more than ``turn`` (rad), from tip to clamp; as ``parts`` has it."""
+        force = np.hypot(self.thrust, self.shear) + np.sum(np.abs(self.load), axis=0)
+        by_force = 4.0 * np.max(self.length * self.flexibility * force, axis=1, initial=0.0)
+        by_moment = np.max(np.abs(self.bend) + self.flexibility * moment, axis=1, initial=0.0)
+        little: list[bool] = (np.maximum(np.sqrt(by_force), by_moment) <= turn).tolist()
+        return little[::-1]
+
     def divided(self, parts: NDArray[np.int64]) -> BeamProblem:
         """Return the same beams with piece i cut into ``parts[i]`` equal pieces."""
         if np.all(parts == 1):
@@ -124,21 +138,84 @@ class BeamProblem:
         The new ends lie in the middle of every 2k-th piece, so that each cell of a periodic tube is symmetric; a tip
         angle of it errs by 1e-5 to 1e-4 rad on the reference tubes.
         """
-        count = self.length.shape[0]
-        if count <= 2 * cells:
+        chosen = self._cell_ends(cells)
+        if chosen.size == 0:
             return self
-        chosen = np.array(sorted(set(np.linspace(0, (count - 1) // 2, cells).round().astype(int).tolist()))) * 2
 
         def merged(column: FloatArray) -> FloatArray:
-            half = np.concatenate((column[chosen] / 2.0, np.zeros_like(column[:1])))
-            cells = np.add.reduceat(column, chosen, axis=0)
-            return np.concatenate((half[:1], cells - half[:-1] + half[1:]))
+            half, last = column[chosen] / 2.0, chosen[-1]
+            cells = np.add.reduceat(column[:last], chosen[:-1], axis=0)
+            return np.concatenate((half[:1], cells - half[:-1] + half[1:], half[-1:], column[last + 1 :]))
 
         return self._with(merged)
+
+    def ripple(self, cells: int) -> Ripple:
+        """Return what homogenising into ``cells`` leaves out, for each piece of ``coarse``.
+
+        The first pitch of a cell stands for its others: half a piece, the next, and half the one after.
+        """
+        chosen = self._cell_ends(cells)
+        if chosen.size == 0:
+            return Ripple(*np.zeros((4, *self.length.shape)))
+        first, second, third = chosen[:-1], chosen[:-1] + 1, chosen[:-1] + 2
+        length, turn, weight = (
+            (column[first] / 2.0, column[second], column[third] / 2.0)
+            for column in (self.length, self.flexibility, self.load)
+        )
+        whole = length[0] + length[1] + length[2]
+        # From end to end both go up and down by as much, so that they are straight lines through zero in between.
+        excess = turn[0] - (turn[0] + turn[1] + turn[2]) / whole * length[0]
+        heavier = weight[0] - (weight[0] + weight[1] + weight[2]) / whole * length[0]
+        inside = (length[0] * (length[0] / 3.0 + length[1] / 2.0) + length[1] * length[1] / 6.0) / whole
+        found = Ripple(*np.zeros((4, self.length.shape[0] - chosen[-1] + chosen.size, self.count)))
+        cell = slice(1, chosen.size)
+        found.square[cell], found.product[cell] = excess * excess / 3.0, excess * heavier / 3.0
+        found.turned[cell], found.pulled[cell] = -excess * inside, -heavier * inside
+        return found
+
+    def _cell_ends(self, cells: int) -> NDArray[np.int64]:
+        """Return the pieces in whose middle cells end; none where there are too few pieces for cells."""
+        count = self.length.shape[0]
+        if count <= 2 * cells:
+            return np.zeros(0, dtype=np.int64)
+        return np.array(sorted(set(np.linspace(0, (count - 1) // 2, cells).round().astype(int).tolist()))) * 2
 
     def _with(self, change: Callable[[FloatArray], FloatArray]) -> BeamProblem:
         names = ("length", "flexibility", "bend", "load")
         return replace(self, **{name: change(getattr(self, name)) for name in names})
+
+
+@dataclass(frozen=True, slots=True)
+class Ripple:
+    """What varies within a pitch, shape (pieces, m), to second order in the pitch.
+
+    The tangent of a notched tube waves about that of the homogenised one by the internal moment times a function F of
+    the place, the shear force by a function W.
+
+    Attributes:
+        square: mean of F^2, 1/(N m)^2. product: mean of F W, 1/m.
+        turned, pulled: the integrals of F (1/N) and W (N m) where cells end, less their means over a pitch.
+    """
+
+    square: FloatArray
+    product: FloatArray
+    turned: FloatArray
+    pulled: FloatArray
+
+    @property
+    def pieces(self) -> Sequence[Piece]:
+        """The rows from tip to clamp, plain numbers if there is one beam."""
+        columns = [getattr(self, name) for name in self.__slots__]
+        rows = [column.ravel().tolist() if column.shape[1] == 1 else column for column in columns]
+        return list(zip(*rows, strict=True))[::-1]
+
+    def picked(self, beams: NDArray[np.int64]) -> Ripple:
+        """Return that of some of many beams."""
+        return Ripple(*(getattr(self, name)[:, beams] for name in self.__slots__))
+
+    def divided(self, parts: NDArray[np.int64]) -> Ripple:
+        """Return the same where piece i is cut into ``parts[i]`` equal pieces."""
+        return Ripple(*(np.repeat(getattr(self, name), parts, axis=0) for name in self.__slots__))
 
 
 class Trace:
@@ -188,8 +265,55 @@ def march_turn(problem: BeamProblem, cosine: Number, sine: Number) -> Number:
     return total
 
 
-def march_turns(problem: BeamProblem, tip_angle: FloatArray) -> tuple[FloatArray, FloatArray]:
+def march_rippled(
+    problem: BeamProblem, ripple: Ripple, tip_angle: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """March a homogenised beam from its tip angles (rad), with what homogenising left out to first order.
+
+    With s from clamp to tip, m' = g = v cos(theta) + f sin(theta) and g' its derivative by theta, means over a pitch add
+    -g' m <F^2> + cos(theta) <F W> to theta' and -g m^2 <F^2>/2 + sin(theta) m <F W> to m'. Where cells end, the means
+    differ from angle and moment by g G and g' m G + cos(theta) H, with G and H the integrals of F and W.
+
+    Returns:
+        By how much the clamp is missed, rad, the derivative by the tip's angle, and the largest internal moment, N m.
+    """
+    thrust, shear, moment = problem.tip_loads
+    cosine, sine = rotation(problem, tip_angle)
+    total, moments = 0.0 * cosine, [moment]
+    slope, moment_slope, off, moment_off = total + 1.0, total, total, total
+
+    def waves(
+        half_length: Number, square: Number, product: Number, turned: Number, pulled: Number
+    ) -> tuple[Number, Number]:
+        """Return what a half piece adds to angle and moment on the way to its middle."""
+        along, across = shear * cosine + thrust * sine, thrust * cosine - shear * sine
+        bent = product * cosine - across * moment * square
+        lifted = moment * (product * sine - along * moment * square / 2.0)
+        return along * turned - half_length * bent, moment * across * turned + cosine * pulled - half_length * lifted
+
+    for (length, flexibility, bend, load), wave in zip(problem.pieces, ripple.pieces, strict=True):
+        change, pull = waves(0.5 * length, *wave)
+        off, moment_off = off + change, moment_off + pull
+        turn, cosine, sine, moment, forces, series = segment_turn(
+            length, flexibility, bend, load, thrust, cosine, sine, moment, shear
+        )
+        slope, moment_slope = segment_tangent(length, flexibility, forces, series, slope, moment_slope)
+        off, moment_off = segment_tangent(length, flexibility, forces, series, off, moment_off)
+        shear, total = shear + load, total + turn
+        change, pull = waves(-0.5 * length, *wave)
+        off, moment_off = off - change, moment_off - pull
+        moments.append(moment)
+    largest: FloatArray = np.max(np.abs(np.array(moments).reshape(len(moments), -1)), axis=0)
+    return tip_angle + total + off - problem.base, np.atleast_1d(slope), largest
+
+
+def march_turns(
+    problem: BeamProblem, tip_angle: FloatArray, turns_little: Sequence[bool]
+) -> tuple[FloatArray, FloatArray]:
     """March from tip angles (rad), shape (m,), and correct to first order.
+
+    Args:
+        turns_little: pieces, from tip to clamp, for which a step of order 4 is enough.
 
     Returns:
         The turn of each piece from clamp to tip, rad, shape (n, m), and the correction of the tip angle, rad.
@@ -200,9 +324,10 @@ def march_turns(problem: BeamProblem, tip_angle: FloatArray) -> tuple[FloatArray
     total = 0.0 * tip_angle
     slope, moment_slope = total + 1.0, total
     node = problem.length.shape[0]
-    for length, flexibility, bend, load in problem.pieces:
+    for (length, flexibility, bend, load), little in zip(problem.pieces, turns_little, strict=True):
         node -= 1
-        turns[node], cosine, sine, moment, forces, series = segment_turn(
+        step = segment_turn_short if little else segment_turn
+        turns[node], cosine, sine, moment, forces, series = step(
             length, flexibility, bend, load, thrust, cosine, sine, moment, shear
         )
         slope, moment_slope = segment_tangent(length, flexibility, forces, series, slope, moment_slope)

@@ -12,11 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coast_cli.mechanics.beam.continuation import follow
-from coast_cli.mechanics.beam.problem import BeamProblem, Trace, march_shape, march_turn, march_turns, rotation
+from coast_cli.mechanics.beam.problem import BeamProblem, Trace, march_shape, march_turns, rotation
 from coast_cli.mechanics.beam.start import Start, find_start
 from coast_cli.mechanics.section import FloatArray
 
 FINE_TURN = 0.04  # rad a step at most: a beam then errs by 1e-12 of its length
+SHORT_TURN = 0.02  # rad a step of order 4 at most, which leaves 1e-11
 LAST_CHANGE = 1e-7  # rad; a last correction this small is applied to first order
 ONLY_CHANGE = 1e-5  # rad; the same where turns to 1e-9 are enough and one march is all
 CLAMP_TOLERANCE = 1e-10  # rad
@@ -24,7 +25,7 @@ _MOST_STEPS = 30
 _SAME_EQUILIBRIUM = 0.3  # rad between the coarse and the full beam
 TANGENT_ERROR, ROUNDING = 1e-5, 1e-15  # relative error of the carried tangent; of the angle, rad
 _FEW = 12  # beams that plain numbers solve one by one faster than arrays together
-_TOGETHER = 2048  # beams whose rows stay in the processor's cache
+_TOGETHER, _NUMBERS = 2048, 1 << 22  # beams at most, and beams times pieces, which bounds the memory
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +82,7 @@ def solve_plain_turns(problem: BeamProblem) -> tuple[FloatArray, NDArray[np.bool
     """
     start = find_start(problem)
     plain = start.found & (start.equilibria == 1) & (start.turned_at == 1.0) & (_fineness(problem, start) == 0)
-    turns, change = march_turns(problem, start.tip_angle)
+    turns, change = march_turns(problem, start.tip_angle, problem.turns_little(SHORT_TURN, start.moment))
     return turns, plain & (np.abs(change) <= ONLY_CHANGE) & np.isfinite(turns).all(axis=0)
 
 
@@ -91,7 +92,8 @@ def _solve_into(problem: BeamProblem, result: Equilibria) -> None:
     level = _fineness(problem, start)
     for fineness in sorted(set(level[start.found].tolist())):
         alike = np.flatnonzero(start.found & (level == fineness))
-        blocks = alike.size if alike.size <= _FEW else -(-alike.size // _TOGETHER)
+        together = max(_FEW, min(_TOGETHER, _NUMBERS // problem.length.shape[0]))
+        blocks = alike.size if alike.size <= _FEW else -(-alike.size // together)
         for beams in np.array_split(alike, blocks):
             _solve_alike(problem.picked(beams), start.picked(beams), result, beams, divide=bool(fineness > 0))
 
@@ -117,13 +119,13 @@ def _solve_alike(
     parts = problem.parts(FINE_TURN, start.moment) if divide else np.ones(problem.length.shape[0], dtype=np.int64)
     ends = np.concatenate(([0], np.cumsum(parts)))
     beams = problem.divided(parts)
-    _newton(beams, start.tip_angle, start.slope, ends, result, columns)
+    _newton(beams, start.tip_angle, ends, result, columns)
     moved = np.abs(result.angle[-1, columns] - start.tip_angle) > _SAME_EQUILIBRIUM
     lost = np.flatnonzero(moved & (start.equilibria > 1))
     if lost.size > 0:
         again = beams.picked(lost)
         path = follow(again)
-        _newton(again, path.tip_angle, path.slope, ends, result, columns[lost])
+        _newton(again, path.tip_angle, ends, result, columns[lost])
         result.turned_at[columns[lost]] = path.turned_at
         result.converged[columns[lost]] &= path.arrived
 
@@ -131,14 +133,12 @@ def _solve_alike(
 def _newton(
     beams: BeamProblem,
     tip: FloatArray,
-    slope: FloatArray,
     ends: NDArray[np.int64],
     result: Equilibria,
     columns: NDArray[np.int64],
 ) -> None:
-    """Correct the tip angles, first with the slope they came with and then with their own."""
-    tip = tip - (tip + march_turn(beams, *rotation(beams, tip)) - beams.base) / slope
-    for step in range(2, _MOST_STEPS + 1):
+    """Correct the tip angles by Newton's method; of a sharp start one march is enough."""
+    for step in range(1, _MOST_STEPS + 1):
         trace = Trace(beams)
         total, slope = march_shape(beams, *rotation(beams, tip), trace)
         change = (tip + total - beams.base) / np.where(slope == 0.0, np.inf, slope)
@@ -169,10 +169,13 @@ def _record(
     if done.size == 0:
         return
     some = slice(None) if done.size == tip.size else done
+    here = slice(columns[0], columns[-1] + 1) if columns[-1] - columns[0] == columns.size - 1 else columns
+    node = slice(None) if ends.size == len(trace.turn) else ends
+    piece = slice(None) if ends.size == len(trace.turn) else ends[1:] - 1
     turn = trace.slope[:, some] * -change[some]
     along_x, along_y = np.diff(trace.x[:, some], axis=0), np.diff(trace.y[:, some], axis=0)
     turn_between = 0.5 * (turn[1:] + turn[:-1])
-    result.angle[:, columns] = (trace.turn[:, some] + (tip[some] + turn))[ends]
-    result.moment[:, columns] = trace.moment[:, some][ends]
-    result.x[1:, columns] = np.cumsum(along_x - along_y * turn_between, axis=0)[ends[1:] - 1]
-    result.y[1:, columns] = np.cumsum(along_y + along_x * turn_between, axis=0)[ends[1:] - 1]
+    result.angle[:, here] = (trace.turn[:, some] + (tip[some] + turn))[node]
+    result.moment[:, here] = trace.moment[:, some][node]
+    result.x[1:, here] = np.cumsum(along_x - along_y * turn_between, axis=0)[piece]
+    result.y[1:, here] = np.cumsum(along_y + along_x * turn_between, axis=0)[piece]

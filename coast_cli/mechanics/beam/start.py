@@ -14,13 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coast_cli.mechanics.beam.continuation import follow
-from coast_cli.mechanics.beam.problem import BeamProblem, Trace, clamp_error, march_shape, rotation
+from coast_cli.mechanics.beam.problem import BeamProblem, Ripple, clamp_error, march_rippled
 from coast_cli.mechanics.roots import increasing_root
 from coast_cli.mechanics.section import FloatArray
 
-COARSE_CELLS = 12
+COARSE_CELLS, LIGHT_CELLS, SHARP_CELLS = 12, 6, 28
+LIGHT_TURN = 2.0  # rad a step at most where there is one equilibrium: the sharp beam then corrects 1e-4 rad
 COARSE_TURN = 1.0  # rad a step at most, by a bound that is twice too large: it then errs by 1e-5 of its length
 SOFTEST = 100.0  # load number past which a beam hangs like a string and its tip no longer tells its clamp
+_MOST_CORRECTED = 1e-2  # rad, by which what homogenising left out may move the tip
 SURELY_ONE = 0.95  # load number; the coarse beam knows it to a few per cent
 _NUMBERS = (SURELY_ONE, 2.0, 4.0, 8.0, 16.0, 32.0, SOFTEST)  # beams of like softness are cut alike
 SURVEY, _FINE_SURVEY = np.linspace(-1.0, 1.0, 17), np.linspace(-1.0, 1.0, 129)
@@ -67,23 +69,28 @@ def find_start(problem: BeamProblem) -> Start:
         equilibria=np.ones(coarse.count, dtype=np.int64),
         turned_at=np.ones(coarse.count),
     )
+    sharp = problem.coarse(SHARP_CELLS), problem.ripple(SHARP_CELLS)
     light = np.flatnonzero(number < SURELY_ONE)
-    _solve_light(coarse, light, start)
+    _solve_light(problem.coarse(LIGHT_CELLS), sharp, light, start)
     for low, high in pairwise(_NUMBERS):
-        _solve_heavy(coarse, np.flatnonzero((number >= low) & (number < high)), start)
+        _solve_heavy(coarse, sharp, np.flatnonzero((number >= low) & (number < high)), start)
     return start
 
 
-def _solve_light(coarse: BeamProblem, light: NDArray[np.int64], start: Start) -> None:
+def _solve_light(
+    coarse: BeamProblem, sharp: tuple[BeamProblem, Ripple], light: NDArray[np.int64], start: Start
+) -> None:
     if light.size > 0:
-        beams = _resolved(coarse.picked(light))
+        beams = _resolved(coarse.picked(light), LIGHT_TURN)
         tip, change, _ = increasing_root(
             lambda angle: clamp_error(beams, angle), start.tip_angle[light], tolerance=1e-4
         )
-        _finish(start, beams, light, tip, change < 1e-3)
+        _finish(start, sharp, light, tip, change < 1e-3)
 
 
-def _solve_heavy(coarse: BeamProblem, heavy: NDArray[np.int64], start: Start) -> None:
+def _solve_heavy(
+    coarse: BeamProblem, sharp: tuple[BeamProblem, Ripple], heavy: NDArray[np.int64], start: Start
+) -> None:
     if heavy.size == 0:
         return
     beams = _resolved(coarse.picked(heavy))
@@ -95,20 +102,27 @@ def _solve_heavy(coarse: BeamProblem, heavy: NDArray[np.int64], start: Start) ->
     several = np.flatnonzero(~_survey(beams, SURVEY)[0])
     if several.size > 0:
         start.equilibria[heavy[several]] = _survey(beams.picked(several), _FINE_SURVEY)[1]
-    _finish(start, beams, heavy, tip, found)
+    _finish(start, sharp, heavy, tip, found)
 
 
-def _resolved(coarse: BeamProblem) -> BeamProblem:
-    return coarse.divided(coarse.parts(COARSE_TURN, coarse.moment_bound))
+def _resolved(coarse: BeamProblem, turn: float = COARSE_TURN) -> BeamProblem:
+    return coarse.divided(coarse.parts(turn, coarse.moment_bound))
 
 
 def _finish(
-    start: Start, beams: BeamProblem, columns: NDArray[np.int64], tip: FloatArray, found: NDArray[np.bool_]
+    start: Start,
+    sharp: tuple[BeamProblem, Ripple],
+    columns: NDArray[np.int64],
+    tip: FloatArray,
+    found: NDArray[np.bool_],
 ) -> None:
-    trace = Trace(beams)
-    _, slope = march_shape(beams, *rotation(beams, tip), trace)
-    start.tip_angle[columns], start.found[columns], start.slope[columns] = tip, found, slope
-    start.moment[columns] = np.max(np.abs(trace.moment), axis=0)
+    """Correct the tips once with a sharper homogenised beam and what homogenising leaves out."""
+    beams, ripple = sharp[0].picked(columns), sharp[1].picked(columns)
+    parts = beams.parts(COARSE_TURN, beams.moment_bound)
+    error, slope, start.moment[columns] = march_rippled(beams.divided(parts), ripple.divided(parts), tip)
+    change = np.where(np.abs(slope) > LEAST_SLOPE, error, 0.0) / np.where(slope == 0.0, 1.0, slope)
+    start.tip_angle[columns] = tip - np.where(np.abs(change) < _MOST_CORRECTED, change, 0.0)
+    start.found[columns], start.slope[columns] = found, slope
 
 
 def _survey(problem: BeamProblem, grid: FloatArray) -> tuple[NDArray[np.bool_], NDArray[np.int64]]:

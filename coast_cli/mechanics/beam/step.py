@@ -83,6 +83,47 @@ def segment_turn(
     )
 
 
+def segment_turn_short(
+    length: Number,
+    flexibility: Number,
+    bend: Number,
+    load: Number,
+    thrust: Number,
+    cosine: Number,
+    sine: Number,
+    moment: Number,
+    shear: Number,
+) -> tuple[Number, Number, Number, Number, Forces, Series]:
+    """Cross one segment as ``segment_turn`` does, to order 4 along the beam, at half the cost.
+
+    Where segments turn by at most 0.02 rad the turn is right to 1e-11; of the series, what the tangent takes is given.
+    """
+    a = shear * cosine + thrust * sine
+    b = thrust * cosine - shear * sine
+    a1 = load * cosine
+    b1 = load * -sine
+    q = length * flexibility
+    d1 = -bend - flexibility * moment
+    d2 = q * a * 0.5
+    c2 = d1 * d1 * -0.5
+    f1 = a1 + b * d1
+    d3 = q * f1 * (1.0 / 6.0)
+    f2 = a * c2 + b * d2 + b1 * d1
+    f3 = a1 * c2 - a * d1 * d2 + b * (d3 + d1 * c2 * (1.0 / 3.0)) + b1 * d2
+    turn = d1 + d2 + d3 + q * f2 * (1.0 / 12.0)
+    square = turn * turn
+    turned_cosine = 1.0 + square * (-0.5 + square * (1.0 / 24.0))
+    turned_sine = turn * (1.0 + square * (-1.0 / 6.0 + square * (1.0 / 120.0)))
+    return (
+        turn,
+        cosine * turned_cosine - sine * turned_sine,
+        sine * turned_cosine + cosine * turned_sine,
+        moment - length * (a + f1 * 0.5 + f2 * (1.0 / 3.0) + f3 * 0.25),
+        (a, b, a1, b1),
+        (d1, d2, c2, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+    )
+
+
 def segment_displacement(length: Number, cosine: Number, sine: Number, series: Series) -> tuple[Number, Number]:
     """Return the vector from a segment's clamp side to its tip side (along x, along y), m, to the order of the step.
 
