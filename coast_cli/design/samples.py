@@ -24,6 +24,7 @@ from coast_cli.mechanics.tubes import block_size
 from coast_cli.spec.build import Design
 
 BLOCK = 2048  # samples at most; fewer where tubes have many notches, so that memory is bounded
+WORTH_COMPILING = 50_000  # samples, from which on the kernel of [fast] is worth its loading
 Keep = Callable[[Mapping[str, FloatArray]], None]
 
 
@@ -55,6 +56,7 @@ class Task:
     seed: int
     first: int
     count: int
+    compiled: bool
 
 
 def samples_in_block(tubes: Iterable[NotchedTube]) -> int:
@@ -83,7 +85,10 @@ def sampled(
     for name, values in beginning.items():
         columns[name][:done] = values
     step = samples_in_block(design.tube(name) for name in pair)
-    tasks = (Task(design, pair, seed, first, min(step, samples - first)) for first in range(done, samples, step))
+    compiled = samples >= WORTH_COMPILING
+    tasks = (
+        Task(design, pair, seed, first, min(step, samples - first), compiled) for first in range(done, samples, step)
+    )
     for block in in_order(*executor, solve_block, tasks):
         count = block["total_precurvature_rad"].size
         for name, values in block.items():
@@ -97,9 +102,8 @@ def solve_block(task: Task) -> Mapping[str, FloatArray]:
     """Return the figures of one block of samples."""
     design, (outer, middle) = task.design, (task.design.tube(name) for name in task.pair)
     varied = variation(design.config, (outer, middle))
-    return make_pair(
-        design, varied, (outer, middle), shares(task.seed, len(varied.inputs), task.first, task.count)
-    ).columns
+    draws = shares(task.seed, len(varied.inputs), task.first, task.count)
+    return make_pair(design, varied, (outer, middle), draws, compiled=task.compiled).columns
 
 
 def shares(seed: int, inputs: int, first: int, count: int) -> FloatArray:
@@ -120,14 +124,25 @@ def make_pairs(
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
-def make_pair(design: Design, varied: Variation, tubes: tuple[NotchedTube, NotchedTube], draws: FloatArray) -> Made:
-    """Return a pair as made for each row of probabilities, shape (m, inputs)."""
+def make_pair(
+    design: Design,
+    varied: Variation,
+    tubes: tuple[NotchedTube, NotchedTube],
+    draws: FloatArray,
+    *,
+    compiled: bool = False,
+) -> Made:
+    """Return a pair as made for each row of probabilities, shape (m, inputs); ``compiled`` as for ``bent``."""
     outer, middle = (varied.tube(tube, draws) for tube in tubes)
     rows = np.flatnonzero(assembles(design.config, outer, middle))
     columns = {name: np.full(len(draws), np.nan) for name in _names(design)}
     if rows.size:
         outer, middle = outer.picked(rows), middle.picked(rows)
-        solved = bent(outer, design.gravity, roll=varied.roll(draws)[rows]), bent(middle, design.gravity)
+        roll = varied.roll(draws)[rows]
+        solved = (
+            bent(outer, design.gravity, roll=roll, compiled=compiled),
+            bent(middle, design.gravity, compiled=compiled),
+        )
         every = np.arange(rows.size)
         known = pair_columns(listed_pairs(*solved, (every, every))) | at_the_point(design, outer, middle)
         for name, values in known.items():

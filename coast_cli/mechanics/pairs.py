@@ -93,18 +93,20 @@ class BentTubes:
         return [np.array(group) for group in groups.values()]
 
 
-def bent(tubes: Tubes, gravity: float, *, roll: FloatArray | float = 0.0) -> BentTubes:
+def bent(tubes: Tubes, gravity: float, *, roll: FloatArray | float = 0.0, compiled: bool = False) -> BentTubes:
     """Solve every tube under gravity (m/s^2), right to 1e-9 of the largest curvature.
 
     Args:
         roll: of the natural curvature out of the plane of gravity, rad. The plane then sees its cosine; its sine bends
             across, where gravity does nothing to first order.
+        compiled: as for ``solve_curvatures``.
     """
     length, rigidity, weight = tubes.pieces
     natural = np.broadcast_to(tubes.natural_curvature * np.cos(roll), tubes.size)
     angle, converged = np.zeros((tubes.size, length.shape[1] + 1)), np.empty(tubes.size, dtype=bool)
     for part in _parts(tubes.size, length.shape[1], _SOLVED):
-        solved = solve_curvatures(length[part], rigidity[part], weight[part], natural[part, None], gravity=gravity)
+        columns = length[part], rigidity[part], weight[part], natural[part, None]
+        solved = solve_curvatures(*columns, gravity=gravity, compiled=compiled)
         np.cumsum(solved.curvature * length[part], axis=1, out=angle[part, 1:])
         converged[part] = solved.converged
     return BentTubes(

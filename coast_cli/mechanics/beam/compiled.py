@@ -48,6 +48,30 @@ def solve_share(
         loads: size of gravity, thrust, shear and moment at the tip, base angle, each (m,).
         threads: how many to use.
     """
+    turns = np.zeros((0, 0))
+    tips, solved = _solved(pieces, loads, turns, threads=threads)
+    return tips, solved
+
+
+def solve_turns(
+    pieces: tuple[FloatArray, FloatArray, FloatArray, FloatArray], gravity: float, *, threads: int = 1
+) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Return the turn of every piece under gravity (m/s^2) alone, rad, shape (m, n), and which beams are solved."""
+    nothing = np.zeros(len(pieces[0]))
+    turns = np.zeros(pieces[0].shape)
+    loads = (nothing + gravity, nothing, nothing, nothing, nothing)
+    _, solved = _solved(pieces, loads, turns, threads=threads)
+    return turns, solved
+
+
+def _solved(
+    pieces: tuple[FloatArray, FloatArray, FloatArray, FloatArray],
+    loads: tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray],
+    turns: FloatArray,
+    *,
+    threads: int,
+) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Solve for the tips, and for the turn of every piece where ``turns`` has room for them."""
     count, nodes = pieces[0].shape
     tips, solved = np.zeros((4, count)), np.zeros(count, dtype=np.bool_)
     chosen = np.unique(np.linspace(0, (nodes - 1) // 2, COARSE_CELLS).round().astype(np.int64)) * 2
@@ -60,7 +84,8 @@ def solve_share(
 
     def run(low: int, high: int) -> None:
         part = slice(low, high)
-        kernel(*(p[part] for p in pieces), np.stack([v[part] for v in loads]), chosen, tips[:, part], solved[part])
+        columns = [p[part] for p in pieces]
+        kernel(*columns, np.stack([v[part] for v in loads]), chosen, tips[:, part], solved[part], turns[part])
 
     with ThreadPoolExecutor(threads) as pool:
         list(pool.map(run, bounds[:-1], bounds[1:]))
@@ -150,6 +175,46 @@ def _march_tip(pieces, loads, state):  # type: ignore[no-untyped-def]  # noqa: A
             state[1, j], state[2, j], state[3, j] = cosine, sine, moment
             state[4, j] += pieces[i, 3, j]
             state[5, j], state[6, j] = slope, moment_slope
+
+
+@numba.njit(**_options)
+def _march_nodes(pieces, loads, state, trace):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    """March with tangent; trace takes the turn of each piece and the derivative at its clamp side."""
+    for j in range(LANES):
+        state[1, j], state[2, j] = cos(state[0, j]), sin(state[0, j])
+        state[3, j], state[4, j] = loads[3, j], loads[2, j]
+        state[5, j], state[6, j] = 1.0, 0.0
+    for i in range(pieces.shape[0]):
+        for j in range(LANES):
+            length, flexibility = pieces[i, 0, j], pieces[i, 1, j]
+            turn, cosine, sine, moment, forces, series = _turn(
+                length,
+                flexibility,
+                pieces[i, 2, j],
+                pieces[i, 3, j],
+                loads[1, j],
+                state[1, j],
+                state[2, j],
+                state[3, j],
+                state[4, j],
+            )
+            state[5, j], state[6, j] = _tangent(length, flexibility, forces, series, state[5, j], state[6, j])
+            state[0, j] += turn
+            state[1, j], state[2, j], state[3, j] = cosine, sine, moment
+            state[4, j] += pieces[i, 3, j]
+            trace[i, 0, j], trace[i, 1, j] = turn, state[5, j]
+
+
+@numba.njit(**_options)
+def _put_turns(trace, change, first, turns):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    """Correct the turns of the beams side by side for the last change of the tip, and lay them out from the clamp."""
+    nodes = trace.shape[0]
+    for low in range(0, nodes, _ROWS):
+        high = min(low + _ROWS, nodes)
+        for j in range(min(LANES, turns.shape[0] - first)):
+            for i in range(low, high):
+                before = trace[i - 1, 1, j] if i > 0 else 1.0
+                turns[first + j, nodes - 1 - i] = (trace[i, 1, j] - before) * change[j] - trace[i, 0, j]
 
 
 @numba.njit(**_options)
@@ -317,10 +382,11 @@ _Table = numba.types.Array(numba.float64, 2, "A")
 
 
 @numba.njit(
-    numba.void(*[_Columns] * 4, numba.float64[:, ::1], numba.int64[::1], _Table, numba.boolean[::1]), **_options
+    numba.void(*[_Columns] * 4, numba.float64[:, ::1], numba.int64[::1], _Table, numba.boolean[::1], _Table), **_options
 )
-def _solve_lanes(length, rigidity, weight, curvature, all_loads, chosen, tips, solved):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _solve_lanes(length, rigidity, weight, curvature, all_loads, chosen, tips, solved, turns):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
     count, nodes = length.shape
+    trace, wanted, changes = np.empty((nodes, 2, LANES)), turns.shape[0] > 0, np.empty(LANES)
     pieces, cells = np.empty((nodes, 4, LANES)), np.empty((chosen.size + 1, 4, LANES))
     state, loads = np.empty((11, LANES)), np.empty((5, LANES))
     number, tip, slope, largest = np.empty(LANES), np.empty(LANES), np.empty(LANES), np.empty(LANES)
@@ -339,10 +405,16 @@ def _solve_lanes(length, rigidity, weight, curvature, all_loads, chosen, tips, s
         for j in range(LANES):
             tip[j] -= (state[0, j] - loads[4, j]) / slope[j]
         state[0, :] = tip
-        _march_tip(pieces, loads, state)
+        if wanted:
+            _march_nodes(pieces, loads, state, trace)
+        else:
+            _march_tip(pieces, loads, state)
+        for j in range(LANES):
+            changes[j] = (state[0, j] - loads[4, j]) / state[5, j]
+        if wanted:
+            _put_turns(trace, changes, first, turns)
         for j in range(min(LANES, count - first)):
-            t = first + j
-            change = (state[0, j] - loads[4, j]) / state[5, j]
+            t, change = first + j, changes[j]
             tips[0, t] = tip[j] - change
             tips[1, t] = state[7, j] - change * state[9, j]
             tips[2, t] = state[8, j] - change * state[10, j]

@@ -255,15 +255,41 @@ def solve_tips(
 
 
 def solve_curvatures(
-    length: FloatArray, rigidity: FloatArray, weight: FloatArray, natural_curvature: ArrayLike, *, gravity: float
+    length: FloatArray,
+    rigidity: FloatArray,
+    weight: FloatArray,
+    natural_curvature: ArrayLike,
+    *,
+    gravity: float,
+    compiled: bool = False,
 ) -> BeamCurvatures:
     """Return only the curvatures of m beams clamped along +x, right to 1e-9 of the largest, at thrice the speed.
 
     Args:
         length, rigidity, weight, natural_curvature: as for ``solve_segments``. gravity: along -y, m/s^2.
+        compiled: use the kernel of ``solve_tips`` where numba is installed; worth its loading for 50,000 beams and more.
 
     Beams out of the ordinary (several equilibria, very soft, pieces that must be divided) are left to it.
     """
+    if compiled and find_spec("numba") is not None:
+        from coast_cli.mechanics.beam.compiled import solve_turns
+
+        natural = np.broadcast_to(natural_curvature, length.shape)
+        turns, converged = solve_turns((length, rigidity, weight, natural), gravity)
+        curvature = turns / np.where(length == 0.0, 1.0, length)
+    else:
+        curvature, converged = _march_curvatures(length, rigidity, weight, natural_curvature, gravity)
+    left = np.flatnonzero(~converged)
+    if left.size > 0:
+        natural = np.broadcast_to(natural_curvature, length.shape)[left]
+        rest = solve_segments(length[left], rigidity[left], weight[left], natural, gravity=(0.0, -gravity))
+        curvature[left], converged[left] = rest.curvature, rest.converged
+    return BeamCurvatures(curvature, converged)
+
+
+def _march_curvatures(
+    length: FloatArray, rigidity: FloatArray, weight: FloatArray, natural_curvature: ArrayLike, gravity: float
+) -> tuple[FloatArray, NDArray[np.bool_]]:
     nothing = np.zeros(len(length))
     rows = [np.ascontiguousarray(column.T) for column in (length, rigidity, weight)]
     with np.errstate(all="ignore"):  # what overflows is left to solve_segments
@@ -278,13 +304,7 @@ def solve_curvatures(
             base=nothing,
         )
         turns, converged = solve_plain_turns(problem)
-        curvature = (turns / np.where(rows[0] == 0.0, 1.0, rows[0])).T
-    left = np.flatnonzero(~converged)
-    if left.size > 0:
-        natural = np.broadcast_to(natural_curvature, length.shape)[left]
-        rest = solve_segments(length[left], rigidity[left], weight[left], natural, gravity=(0.0, -gravity))
-        curvature[left], converged[left] = rest.curvature, rest.converged
-    return BeamCurvatures(curvature, converged)
+        return (turns / np.where(rows[0] == 0.0, 1.0, rows[0])).T, converged
 
 
 @dataclass(frozen=True, slots=True)

@@ -195,3 +195,14 @@ def test_a_hundred_thousand_notches():
     assert solution.verdict.converged
     # Ever finer notches approach the homogenised tube; 188 of them are 0.004 rad away.
     assert solution.tip_angle == pytest.approx(-0.66270797828223, abs=5e-3)
+
+
+def test_compiled_curvatures_equal_the_full_solution():
+    pytest.importorskip("numba", reason="not here: the extra [fast]")
+    length, *columns = many(700, seed=8, deepest=1.93, curvature=30.0)
+    length = np.broadcast_to(length, columns[0].shape)
+    found = solve_curvatures(length, *columns, gravity=GRAVITY, compiled=True)
+    whole = solve_segments(length, *columns, gravity=(0.0, -GRAVITY))
+    assert np.array_equal(found.converged, whole.converged)
+    error = np.max(np.abs(found.curvature - whole.curvature), axis=1)
+    assert np.all(error <= 1e-9 * np.max(np.abs(whole.curvature), axis=1))
