@@ -80,7 +80,7 @@ def judge(
     facts = describe(diagnosis, effects) if level in OPEN and "nature" in effects[0] else None
     leading = said.effects[0] if said.effects and said.kind in ("physics", "sensor") else None
     twins = set(truth.get("twins", ()))
-    first = bool(leading and true and leading == true[0])
+    first = bool(true) and said.effects[:1] == true[:1] and said.kind in ("parameter", "physics", "sensor")
     identified = level in ("L1", "L5") and not twins
     placed = (identified or level == "L9") and bool(said.effects)
     return Judgement(

@@ -81,10 +81,11 @@ def points(
         offered = {*said.effects, *said.group}
         known = offered & {*true, *twins}
         return -2.0 if offered and not known else 0.0 if len(offered) > GROUP else 0.25
+    # What is cut into a tube is a parameter of it, and named as one.
+    if said.effects[:1] == true[:1] and said.kind != "none":
+        return 1.0
     if said.kind in ("none", "parameter"):
         return _missed(truth, twins)
-    if said.effects[:1] == true[:1]:
-        return 1.0
     return 0.5 if true[0] in said.effects[1:2] or (said.effects and said.effects[0] in {*true, *twins}) else -2.0
 
 

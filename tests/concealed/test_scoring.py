@@ -186,6 +186,11 @@ def law(stage="structure", variable="curvature", memory=True, rate=True):
         (truth("L9", "doubled_rows", size=0.0), said("agrees"), 1.0),
         (truth("L9", "doubled_rows", size=0.0), said("sensor", "frozen_frames"), -2.0),
         (truth("L1", "backlash"), law(), 0.25),
+        (
+            truth("L1", "notch_depth_error", kind="parameter"),
+            said("parameters", "notch_depth_error", kind="parameter"),
+            1.0,
+        ),
         (truth("L0"), law(), -2.0),
         (truth("L0"), said("unexplained"), -2.0),
         (truth("L0"), said("parameters"), 1.0),
