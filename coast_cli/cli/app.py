@@ -38,6 +38,7 @@ COMMANDS = {
     "stroke": "coast_cli.cli.stroke:stroke",
     "path": "coast_cli.cli.path:path",
     "beam": "coast_cli.cli.beam:beam",
+    "pattern": "coast_cli.cli.pattern:pattern",
     "sensitivity": "coast_cli.cli.sensitivity:sensitivity",
     "check": "coast_cli.cli.check:check",
     "tolerance": "coast_cli.cli.tolerance:tolerance",

@@ -13,6 +13,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "stroke": (f"{_CONFIG} --kappa 0:40:10 --x2 20,40", f"{_CONFIG} --stroke 2.5 --x2 30 --pair OT3/MT1"),
     "path": (f"{_CONFIG} --path examples/path/branch.csv",),
     "beam": (f"{_CONFIG} --tube MT3 --points 6",),
+    "pattern": (f"{_CONFIG} --tube OT4 --kerf 0.02 -o OT4.dxf",),
     "sensitivity": (f"{_CONFIG} --sort -change_percent --top 10",),
     "check": (f"{_CONFIG}", f"{_CONFIG} --set joint.pair=OT3/MT1", f"{_CONFIG} --format github -o report.xml"),
     "tolerance": (f"{_CONFIG} --samples 2000 --only check,first",),

@@ -111,6 +111,18 @@ COLUMNS: dict[str, dict[str, str]] = {
         "angle_deg": "angle of the tangent from the clamped direction, degrees",
         "curvature_per_m": "curvature just before the point (at the clamp, just after), 1/m; positive against gravity",
     },
+    "pattern": {
+        "tube": "the tube",
+        "notch": "its number, from the clamp",
+        "start_mm": "where the notch begins along the tube from the clamp, mm",
+        "end_mm": "where it ends, mm",
+        "depth_mm": "its depth from the outer surface, mm",
+        "angle_deg": "angle of the circle that it opens, degrees",
+        "width_mm": "its width on the unrolled outer skin, mm",
+        "laser_start_mm": "where the laser's path begins along the tube, half a kerf inside, mm",
+        "laser_end_mm": "where that ends, mm",
+        "laser_width_mm": "width of that around the tube, mm",
+    },
     "check": {
         "config": "the configuration",
         "pair": "the pair that is held to the limit; no value of a configuration that could not be checked",

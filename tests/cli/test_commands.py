@@ -16,6 +16,7 @@ COMMANDS = {
     "snap": ("{config}",),
     "stroke": ("{config}", "--kappa", "0:40:10", "--x2", "20,30"),
     "beam": ("{config}", "--tube", "OT4", "--points", "7"),
+    "pattern": ("{config}", "--tube", "OT4", "--kerf", "0.02"),
     "check": ("{config}",),
     "validate": ("{config}",),
     "explain": ("depth_mm",),
