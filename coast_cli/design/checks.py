@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from coast_cli.design.limits import beside, limits
+from coast_cli.design.limits import Limit, beside, limits
 from coast_cli.design.loading import acting_on_load, corrected_stroke
 from coast_cli.design.reach import Pulled, Webs, largest_curvature, pulled_at, tendon_limits
+from coast_cli.design.snapping import snaps
 from coast_cli.design.stroke import stroke_table
 from coast_cli.errors import BadInput, NotConverged
 from coast_cli.mechanics.beam import NO_EQUILIBRIUM
@@ -42,6 +45,10 @@ def check_design(design: Design, pair: str | None = None) -> list[Row]:
     if checks.min_bend_deg is not None:
         bend, stopped = _reach(design, pair, checks, checks.min_bend_deg)
         figures["bend_deg"] = bend
+    held = limits(config)
+    if checks.min_snap_margin is not None:
+        figures["snap_margin"] = _snap_margin(design, asked)
+        held = (*held, Limit("min_snap_margin", "min", "snap_margin", checks.min_snap_margin))
     return [
         {
             "config": config.source,
@@ -55,7 +62,7 @@ def check_design(design: Design, pair: str | None = None) -> list[Row]:
             "stopped_by": stopped if limit.figure == "bend_deg" else None,
             "error": None,
         }
-        for limit in limits(config)
+        for limit in held
     ]
 
 
@@ -79,6 +86,18 @@ def _pair_figures(design: Design, pair: tuple[str | None, str]) -> dict[str, Flo
         "rigidity_ratio_mean": table.ratio_mean,
         "rigidity_ratio_series": table.ratio_series,
     }
+
+
+def _snap_margin(design: Design, pair: tuple[str | None, str]) -> FloatArray:
+    outer, middle = pair
+    ones = () if outer is None else (design.tube(outer),)
+    found = snaps(replace(design, outer=ones, middle=(design.tube(middle),)))
+    if found is None:
+        message = "a forecast of jumps needs a pair, a joint and its tendon"
+        raise design.config.refuse(("checks", "min_snap_margin"), message)
+    if np.isnan(found.rest).any():
+        raise NotConverged(f"{outer}/{middle}: {NO_EQUILIBRIUM}.")
+    return found.margin
 
 
 def _at_the_point(design: Design, pair: str | None, limit: LimitAtPoint) -> dict[str, FloatArray]:

@@ -15,11 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coast_cli.design.references import CHANGE, Reference, rank_references
+from coast_cli.design.snapping import Snaps, snaps
 from coast_cli.errors import UsageError
 from coast_cli.mechanics.pairs import Assembly, PairTable, pair_table
 from coast_cli.mechanics.section import FloatArray, SectionKind
 from coast_cli.spec.build import Design, build
 from coast_cli.spec.config import Config
+from coast_cli.units import DEGREE, MILLIMETRE
 
 Rigidity = Literal["mean", "series"]
 MOST_PAIRS = 2_000_000  # half a gigabyte
@@ -88,6 +90,7 @@ def rank(config: Config, options: RankOptions | None = None) -> Ranking:
     changed = [_scores(pairs, (options.rigidity, options.weights, units * f), possible) for f in _changes()]
     margins = _margins(*(table[order] for table in (scores[options.rigidity], *changed)))
     columns = _columns(design, pairs, reasons, (scores[options.rigidity], margins), options.rigidity, order)
+    columns |= _snap_columns(snaps(design), possible, order)
     return Ranking(columns, _notes(design, options.rigidity, scores, columns, references))
 
 
@@ -236,6 +239,26 @@ def _columns(
     }
 
 
+def _snap_columns(found: Snaps | None, possible: NDArray[np.bool_], order: NDArray[np.intp]) -> dict[str, Any]:
+    """Return the nearer forecast of a jump for each pair, in order; nothing without a joint and its tendon."""
+    names = ("snap_margin", "snap_by", "snap_stroke_mm", "snap_jump_deg")
+    if found is None:
+        return {name: [None] * order.size for name in names}
+    by = np.where(found.by_roll, "roll", "crossing")
+    by = np.where(found.margin < 1.0, by, None)  # type: ignore[call-overload]  # no value where neither is anywhere near
+    columns = (found.margin, by, found.stroke / MILLIMETRE, found.jump / DEGREE)
+
+    def shown(values: NDArray[Any]) -> list[Any]:
+        known = values.ravel()[order].tolist()
+        lacks = ~possible[order]
+        return [
+            None if off or value is None or value != value else value  # noqa: PLR0124 -- NaN is not itself
+            for off, value in zip(lacks.tolist(), known, strict=True)
+        ]
+
+    return {name: shown(values) for name, values in zip(names, columns, strict=True)}
+
+
 def _notes(
     design: Design,
     rigidity: Rigidity,
@@ -262,6 +285,11 @@ def _notes(
         middle, outer = divmod(first[other], len(design.outer))
         name = f"{design.outer[outer].name}/{design.middle[middle].name}"
         notes.append(f"by {other} rigidity another pair, S{first[other] + 1} ({name}), ranks first.")
+    margin = columns["snap_margin"][0]
+    if margin is not None and margin < 0.0:
+        notes.append(
+            f"the first pair is forecast to jump by {columns['snap_by'][0]} at {columns['snap_stroke_mm'][0]:.4g} mm of stroke."
+        )
     if columns["leading_tube"][0] == "outer":
         notes.append("the outer tube leads the first pair: snapping was seen where it does.")
     return tuple(notes)

@@ -220,6 +220,8 @@ def _notes(design: Design, varied: Variation, share: float, dropped: int) -> tup
         notes.append(f"{100.0 * share:.3g} % of the samples cannot be made or assembled; they count as failing.")
     if dropped:
         notes.append(f"{dropped} impossible samples count as average in the Sobol indices.")
+    if design.config.checks is not None and design.config.checks.min_snap_margin is not None:
+        notes.append("checks.min_snap_margin is a forecast for tubes as drawn: no sample is held to it.")
     if not varied.inputs:
         notes.append("every tolerance is 0: nothing varies.")
     return tuple(notes)

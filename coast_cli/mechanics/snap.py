@@ -29,8 +29,9 @@ import numpy as np
 from coast_cli.mechanics.section import FloatArray
 
 Number = Any  # a float, or an array of the shape of the pairs
-_HALVINGS = 80
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(48)
+_FIELDS = ("rest", "rigidity", "length", "axis", "play", "stiffness")
+_HALVINGS = 44
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(20)
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,25 +71,28 @@ class Crossing:
 
 def crossing(segment: TendonInBore) -> Crossing:
     """Return the jump of each segment whose tendon crosses its bore."""
-    away = np.maximum(-np.asarray(segment.rest, dtype=float), 0.0)
-    arm = segment.axis + segment.play
-    straight = np.sqrt(away / arm)
-    index = np.asarray(segment.length * straight / np.pi)
-    if not np.any(index > 1.0):
-        nothing = np.full(index.shape, np.nan)
-        return Crossing(index, nothing, nothing, nothing, nothing)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        wave = _jump(away, segment, straight)
-        tension = segment.rigidity * wave**2
-        mean, path = _at_the_jump(away, segment, wave)
-        rest_path = -segment.length * away * _mean_arm_at_rest(away, segment)
-        stroke = tension / segment.stiffness + path - rest_path
-        pulled = (stroke + rest_path + segment.length * arm * away) / (
-            1.0 / segment.stiffness + segment.length * arm**2 / segment.rigidity
-        )
-        after = -away + pulled * arm / segment.rigidity
-        jumps = (index > 1.0) & (after > mean)
-    return Crossing(index, *(np.where(jumps, value, np.nan) for value in (tension, stroke, mean, after)))
+    rest, _, length, axis, play, _ = spread = np.broadcast_arrays(*(getattr(segment, name) for name in _FIELDS))
+    index = np.asarray(length * np.sqrt(np.maximum(-rest, 0.0) / (axis + play)) / np.pi)
+    found = np.full((4, *index.shape), np.nan)
+    long = index > 1.0
+    if long.any():
+        found[:, long] = _jumping(TendonInBore(*(column[long] for column in spread)))
+    return Crossing(index, *found)
+
+
+def _jumping(segment: TendonInBore) -> FloatArray:
+    """Return tension, stroke and curvatures of segments long enough to jump, shape (4, n); NaN where the stroke holds it."""
+    away, arm = -segment.rest, segment.axis + segment.play
+    wave = _jump(away, segment, np.sqrt(away / arm))
+    tension = segment.rigidity * wave**2
+    mean, path = _at_the_jump(away, segment, wave)
+    rest_path = -segment.length * away * _mean_arm_at_rest(away, segment)
+    stroke = tension / segment.stiffness + path - rest_path
+    pulled = (stroke + rest_path + segment.length * arm * away) / (
+        1.0 / segment.stiffness + segment.length * arm**2 / segment.rigidity
+    )
+    after = -away + pulled * arm / segment.rigidity
+    return np.where(after > mean, np.stack((tension, stroke, mean, after)), np.nan)
 
 
 def _balance(away: FloatArray, segment: TendonInBore, wave: FloatArray) -> FloatArray:

@@ -55,6 +55,10 @@ COLUMNS: dict[str, dict[str, str]] = {
         "probability_passing": "chance that every check holds over the tolerances; only with --robust",
         "probability_first": "chance that the pair has the best score of the bench as made; only with --robust",
         "reason": "why a pair cannot be assembled; no value where it can",
+        "snap_margin": "forecast of the nearer jump, see snap: 1 for not at all, below 0 it jumps",
+        "snap_by": "which that is: crossing or roll; no value where neither is near",
+        "snap_stroke_mm": "X1 at which it would jump, deadband included, mm",
+        "snap_jump_deg": "bend let go by a crossing; largest roll of the tips against each other, degrees",
     },
     "snap": {
         "sample": "the pair's number, as in rank-pairs",

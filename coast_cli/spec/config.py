@@ -196,6 +196,9 @@ class Checks(Document):
         description="bend that the pair reaches at a bending length with open notches and every limit on stroke, tendon"
         " strain, tension and web strain held",
     )
+    min_snap_margin: Annotated[float, Within(-100.0, 1.0)] | None = Field(
+        None, description="forecast margin to a jump of the pair (`coast snap`): 1 far away, below 0 it jumps"
+    )
 
 
 class Rank(Document):

@@ -6,7 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from coast_cli.design.checks import check_design
+from coast_cli.design.rank import rank
 from coast_cli.design.snapping import snap_rows, snaps
+from coast_cli.design.tolerance import tolerance_rows
 from coast_cli.errors import BadInput
 from coast_cli.mechanics.joint import Joint
 from coast_cli.mechanics.pairs import pair_table
@@ -94,3 +97,39 @@ def test_without_a_joint_or_its_tendon_there_is_no_forecast(table):
     assert snaps(bare) is None
     with pytest.raises(BadInput, match="needs pairs, a joint and its tendon"):
         snap_rows(bare)
+
+
+def checked(limit, pair):
+    text = CONFIG.read_text().replace("[checks]", f"[checks]\nmin_snap_margin = {limit}")
+    return check_design(build(load_config_text(text, "tubes.toml")), pair)
+
+
+def test_a_check_holds_a_pair_to_its_margin():
+    for pair, passed in (("OT4/MT1", True), ("OT3/MT1", False)):
+        row = checked(0.2, pair)[-1]
+        assert (row["check"], row["bound"], row["passed"]) == ("min_snap_margin", "min", passed)
+        assert row["line"] is not None
+    assert row["value"] == pytest.approx(-0.470, abs=1e-3)
+
+
+def test_tolerances_say_that_they_leave_the_margin_out():
+    text = CONFIG.read_text().replace("[checks]", "[checks]\nmin_snap_margin = 0.2")
+    design = build(load_config_text(text, "tubes.toml"))
+    _, notes, _ = tolerance_rows(design, ("OT4", "MT1"), samples=16, seed=0, ranked=False, index_samples=4)
+    assert any("min_snap_margin" in note for note in notes)
+
+
+def test_the_ranking_shows_the_nearer_forecast_of_each_pair(design):
+    columns = rank(design.config).columns
+    found = {name: columns[name] for name in ("sample", "snap_margin", "snap_by", "snap_stroke_mm", "snap_jump_deg")}
+    rows = {sample: values for sample, *values in zip(*found.values(), strict=True)}
+    assert rows["S4"] == [1.0, None, None, None]
+    one = next(row for row in snap_rows(design) if (row["sample"], row["mechanism"]) == ("S3", "crossing"))
+    assert rows["S3"] == [one["margin"], "crossing", one["stroke_mm"], one["jump_deg"]]
+    assert rows["S5"][1:] == ["roll", None, None]
+
+
+def test_a_ranking_without_a_joint_has_no_forecast():
+    text = CONFIG.read_text()
+    columns = rank(load_config_text(text[: text.index("[tendon]")])).columns
+    assert set(columns["snap_margin"]) == {None}
