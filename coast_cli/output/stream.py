@@ -17,6 +17,7 @@ from typing import IO, Any
 from coast_cli.errors import BadInput, CoastError, UsageError
 from coast_cli.output.atomic import destination, put_in_place
 from coast_cli.output.checkpoint import Arrays, Note, check_private, open_folder, read_note, remove_folder, write_note
+from coast_cli.output.csv import cell
 from coast_cli.signals import held
 
 _READ_BYTES = 2**20
@@ -160,6 +161,6 @@ def _opened(rows: Path) -> IO[bytes]:
 
 
 def _texts(column: Any) -> Sequence[Any]:  # noqa: ANN401
-    """Return a column as Python values, truth as JSON has it."""
+    """Return a column as what stands in its cells."""
     values: list[Any] = column.tolist()
-    return ["true" if value else "false" for value in values] if column.dtype == bool else values
+    return values if column.dtype.kind in "iuf" else [cell(value) for value in values]

@@ -41,7 +41,9 @@ IN_NUMBERS = np.zeros(256, dtype=bool)
 IN_NUMBERS[[*b"+-.0123456789eE \t\0"]] = True
 MISSING = (b"", b"nan", b"NaN", b"NAN")
 GROUPED = re.compile(r"[+-]?[0-9]{1,3}(\.[0-9]{3})+")  # beside decimal commas: thousands, or a decimal point?
-GUARDED = re.compile(r"'(?=[=+\-@])")  # the mark that keeps our own CSV files from being formulas
+GUARDED = re.compile(
+    "'(?='*[=+\\-@\uff1d\uff0b\uff0d\uff20])"
+)  # the mark that keeps our own CSV files from being formulas
 
 
 @dataclass(frozen=True)
