@@ -17,14 +17,16 @@ from typing import Any
 
 from examples.concealed.figures import Scores
 from examples.concealed.judge import Judgement, judge
-from examples.concealed.report import table
+from examples.concealed.report import short, table
 from examples.concealed.runner import ROOT, answer, questions
 from examples.concealed.seal import Job, build, case_id, write
 from examples.concealed.work import spread
 
 KEPT = ROOT / "tests" / "concealed" / "answers.jsonl.xz"
 DRIFT = ROOT / "tests" / "concealed" / "drift.json"
+# Marks of a page that holds the table, or its main rows.
 BEGIN, END = "<!-- printed by `python -m examples.concealed table` -->", "<!-- end of the printed table -->"
+BEGIN_SHORT = "<!-- main rows of `python -m examples.concealed table` -->"
 
 
 def code_digest() -> str:
@@ -102,19 +104,25 @@ def relation(path: Path = KEPT, drift: Path = DRIFT) -> str:
 
 
 def put(path: Path, scores: Scores) -> None:
-    """Put the table of these scores between the marks of a page."""
+    """Put the table of these scores, or its main rows, between the marks of a page."""
     words = path.read_text(encoding="utf-8")
-    before, _, rest = words.partition(BEGIN)
-    _, found, after = rest.partition(END)
-    if not found:
-        raise ValueError(f"{path} lacks the lines {BEGIN!r} and {END!r}, between which the table goes")
-    path.write_text(f"{before}{BEGIN}\n{table(scores)}{END}{after}", encoding="utf-8")
+    for begin, text in ((BEGIN, table(scores)), (BEGIN_SHORT, short(scores))):
+        before, found, rest = words.partition(begin + "\n")
+        if found:
+            _, _, after = rest.partition(END)
+            path.write_text(f"{before}{found}{text}{END}{after}", encoding="utf-8")
+            return
+    raise ValueError(f"{path} lacks the lines {BEGIN!r} and {END!r}, between which the table goes")
 
 
-def held(path: Path) -> str | None:
-    """Return what a page holds between the marks, None without them."""
-    _, found, rest = path.read_text(encoding="utf-8").partition(BEGIN + "\n")
-    return rest.partition(END)[0] if found else None
+def held(path: Path) -> bool | None:
+    """Whether a page holds between its marks what is printed; None without marks."""
+    words, scores = path.read_text(encoding="utf-8"), kept()
+    for begin, text in ((BEGIN, table(scores)), (BEGIN_SHORT, short(scores))):
+        _, found, rest = words.partition(begin + "\n")
+        if found:
+            return rest.partition(END)[0] == text
+    return None
 
 
 def sample(judged: Sequence[Judgement], count: int) -> list[Judgement]:

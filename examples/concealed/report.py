@@ -32,6 +32,33 @@ def table(scores: Scores) -> str:
     return "\n".join([*lines, "", *_levels(scores), *_others(scores)]).rstrip() + "\n"
 
 
+# What a first reader sees: one or two rows of each level.
+KEY = (
+    "false alarms, L0",
+    "named first, L1",
+    "none, parameter, physics",
+    "sensor called physics",
+    "physics called sensor",
+    "L2: named after",
+    "L4: both named",
+    "L6: any wrong name",
+    "L8: any wrong name",
+    "L8 and L6: stage",
+    "L9:",
+    "right component",
+    "`youngs_modulus_gpa`",
+    "expected calibration error",
+    "held-out error / true form",
+    "score, mean",
+)
+
+
+def short(scores: Scores) -> str:
+    """Return the rows of the table that a first reader sees."""
+    rows = [line for line in table(scores).splitlines() if line.startswith("|")]
+    return "\n".join([*rows[:2], *(row for row in rows if row[2:].startswith(KEY))]) + "\n"
+
+
 def details(scores: Scores) -> str:
     """Return what was said of what, and the ten worst cases of each level."""
     lines = [*_confusion(scores), *_classes(scores)]
