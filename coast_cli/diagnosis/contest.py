@@ -9,14 +9,24 @@ every start of every candidate once; the most promising race for a few steps, an
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from coast_cli.diagnosis.fit import Fit, fit, rms
 from coast_cli.diagnosis.problem import Candidate, Problem, Variant
-from coast_cli.diagnosis.thresholds import ALIKE, AT_FLOOR, EFFECT_NATS, QUIET, TIE, WORTH_GROWING
+from coast_cli.diagnosis.thresholds import (
+    ALIKE,
+    AT_FLOOR,
+    CLOSE_ENDS,
+    EFFECT_NATS,
+    MOST_CLOSE_ENDS,
+    QUIET,
+    TIE,
+    WORTH_GROWING,
+)
 from coast_cli.effects.effect import Effect
+from coast_cli.mechanics.section import FloatArray
 
 Key = frozenset[Variant]
 _GROWN_FROM = 2  # sets that are grown further
@@ -88,6 +98,34 @@ def run_contest(problem: Problem, most_effects: int = 5) -> Contest:
         _exchange(problem, tried)
     _tighten(problem, tried)
     return settled(problem, base, tried.values())
+
+
+def settle_close_ends(contest: Contest, problem: Problem, whole: Problem) -> Contest:
+    """Return the contest with its close ends decided on every row, those held out among them.
+
+    Only the choice between sets that score alike is made so, by scores of fits to ``whole``: each keeps its own fit.
+    """
+    leading = contest.leading
+    if not leading.ids:
+        return contest
+    close = [h for h in ranked(contest.tried, lambda h: h.paid) if h.paid > leading.paid - CLOSE_ENDS]
+    close = close[: int(MOST_CLOSE_ENDS)]
+    if len(close) < 2:
+        return contest
+    scores = {}
+    for one in close:
+        start = carried_start(problem=problem, fitted=one.fit, whole=whole)
+        scores[one.key] = hypothesis(whole, fit(whole, one.fit.effects, start, steps=6, until="fine")).score
+    ahead = scores.get(leading.key, leading.score) - leading.score
+    decided = {one.key: one for one in contest.tried}
+    decided |= {one.key: replace(one, score=scores[one.key] - ahead) for one in close}
+    return settled(problem, contest.base, decided.values())
+
+
+def carried_start(*, problem: Problem, fitted: Fit, whole: Problem) -> FloatArray:
+    """Return a fit's base coordinates where another problem of the same model has them, else as configured."""
+    known = {p.name: float(c) for p, c in zip(problem.base, fitted.coordinates, strict=True)}
+    return np.array([known.get(p.name, p.inner) for p in whole.base])
 
 
 def settled(problem: Problem, base: Hypothesis, tried: Iterable[Hypothesis]) -> Contest:

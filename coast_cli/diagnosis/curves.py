@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -80,15 +80,15 @@ def _joint_curves(config: Config, runs: Sequence[JointRun], diagnosis: Diagnosis
 
 def _shape_curves(config: Config, recordings: Recordings, diagnosis: Diagnosis, held: set[str]) -> list[ShapeCurve]:
     """Return the lines of the refitted base and of the model that ``--save-model`` writes."""
+    from coast_cli.diagnosis.fit import fit
     from coast_cli.diagnosis.model_file import model_text
-    from coast_cli.diagnosis.shapes.fit import fit
-    from coast_cli.diagnosis.shapes.problem import build_problem
+    from coast_cli.diagnosis.shapes.problem import build_shape_problem
     from coast_cli.spec.load import load_config_text
 
     runs = [] if recordings.shape is None else recordings.shape.runs
-    problem = build_problem(config, runs).with_train([np.full(len(run), run.name not in held) for run in runs])
-    base = problem.state(fit(problem, level=diagnosis.noise * MILLIMETRE).coordinates, ())
-    corrected = build_problem(load_config_text(model_text(config, diagnosis, recordings), "corrected"), runs)
+    problem = build_shape_problem(config, runs).only([np.full(len(run), run.name not in held) for run in runs])
+    base = problem.state(fit(replace(problem, noise=diagnosis.noise * MILLIMETRE)).coordinates, ())
+    corrected = build_shape_problem(load_config_text(model_text(config, diagnosis, recordings), "corrected"), runs)
     jobs = range(len(runs))
     before = problem.forward.lines([(index, base) for index in jobs])
     after = corrected.forward.lines([(index, corrected.state(corrected.configured(), ())) for index in jobs])

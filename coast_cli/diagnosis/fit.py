@@ -24,7 +24,7 @@ _FINE_STEPS = 5
 _TIGHT_STEPS = 20
 _SIZES_FIRST = 3  # steps in which what only shapes an effect stays where it starts
 # Share of the cost that a further step may still gain where a pass has settled: each only leads to the next.
-_ROUGH, _FINE, _TIGHT = 5e-4, 2e-4, 1e-8
+_ROUGH, _FINE, _TIGHT = 5e-4, 2e-4, 1e-10
 _SMALLEST_LEVEL = 1e-15
 Pass = Literal["rough", "fine", "tight"]
 

@@ -16,7 +16,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from coast_cli.diagnosis.answer import Comparison, Diagnosis, Errors, Level, Named, Value, Verdict
-from coast_cli.diagnosis.contest import Contest, Hypothesis
+from coast_cli.diagnosis.contest import Contest, Hypothesis, carried_start
 from coast_cli.diagnosis.fit import Fit, fit, rms
 from coast_cli.diagnosis.holdout import HoldOut
 from coast_cli.diagnosis.locate import Region
@@ -100,6 +100,11 @@ class Case(ABC):
     @abstractmethod
     def in_unit(self, value: float) -> float:
         """Return an SI response in the unit of the answer."""
+
+    @property
+    def moved(self) -> str:
+        """What is said where only base parameters have moved."""
+        return "within the noise once the base parameters are refitted; no physics is missing"
 
     @property
     def floor(self) -> float:
@@ -195,7 +200,7 @@ class Case(ABC):
         if not self.kept_back.chosen or not self.kept_back.any:
             return fitted
         whole = self.problem.only([np.ones(len(rows), bool) for rows in self.kept_back.rows])
-        return fit(whole, fitted.effects, start_in(whole, self.problem, fitted), steps=6)
+        return fit(whole, fitted.effects, carried_start(problem=self.problem, fitted=fitted, whole=whole), steps=6)
 
     def comparison_of(self, fitted: Fit) -> Comparison:
         """Return errors as configured, refitted, and with a fit's effects, side by side."""
@@ -302,12 +307,6 @@ def judge(case: Case, rules: Sequence[Rule]) -> tuple[Case, Ruling]:
     raise ValueError("the rules came to no verdict")
 
 
-def start_in(whole: Any, problem: Any, fitted: Fit) -> FloatArray:  # noqa: ANN401
-    """Return a fit's base coordinates where another problem of the same model has them, else as configured."""
-    known = {p.name: float(c) for p, c in zip(problem.base, fitted.coordinates, strict=True)}
-    return np.array([known.get(p.name, p.inner) for p in whole.base])
-
-
 def structure_is_left(case: Case) -> Ruling | None:
     """Rule: too much is left over, beside the noise and beside what was explained."""
     noise = min(case.floor, case.leading.fit.rmse)
@@ -322,7 +321,7 @@ def nothing_is_named(case: Case) -> Ruling | None:
     if case.leading.ids:
         return None
     if case.parameters_moved:
-        return Ruling("parameters", "within the noise once the base parameters are refitted; no physics is missing")
+        return Ruling("parameters", case.moved)
     return Ruling("agrees", case.agrees)
 
 

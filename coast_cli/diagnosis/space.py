@@ -22,7 +22,7 @@ Booleans = NDArray[np.bool_]
 Point = tuple[FloatArray, tuple[Effect, ...]]
 
 _DIFFERENCE = 1e-4  # of a coordinate's scale
-# Prior widths by which a coordinate is held, at least its null (or its range): it moves nothing that the recording sees.
+# Prior widths by which a coordinate is held, at least its null and at most its range: it moves nothing that is seen.
 _HOLD = 4.0
 
 
@@ -153,8 +153,9 @@ class ParameterSpace:
     @cached_property
     def spread(self) -> FloatArray:
         """Standard deviation of what draws or holds each coordinate (q,)."""
-        span = np.where(self._mean != 0.0, np.abs(self._mean), self.high - self.low)
-        hold = np.maximum(_HOLD * self.width, np.where(np.isfinite(span), span, 0.0))
+        span = self.high - self.low
+        hold = np.maximum(_HOLD * self.width, np.where(self._mean != 0.0, np.abs(self._mean), span))
+        hold = np.where(span > 0.0, np.minimum(hold, span), hold)
         return np.asarray(np.where(self.expected, self.width, np.maximum(hold, 1e-300)))
 
     def joined(self, base: FloatArray) -> FloatArray:

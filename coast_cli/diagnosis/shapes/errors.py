@@ -3,30 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from coast_cli.diagnosis.shapes.fit import Fit, Space
-from coast_cli.diagnosis.shapes.problem import Problem
-from coast_cli.effects.shapes.effect import ShapeEffect
+from coast_cli.diagnosis.answer import Errors
+from coast_cli.diagnosis.fit import Fit, rms
+from coast_cli.diagnosis.shapes.problem import ShapeProblem
+from coast_cli.diagnosis.space import Booleans
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.units import MILLIMETRE
 
 UNIT = "shape_mm"
 
 
-@dataclass(frozen=True, slots=True)
-class Errors:
-    """RMS distance at equal arc length, and of the last points, mm."""
-
-    shape: float
-    tip: float
-
-
-def errors_of(
-    problem: Problem, coordinates: FloatArray, effects: Sequence[ShapeEffect], rows: Sequence[NDArray[np.bool_]]
+def shape_errors_of(
+    problem: ShapeProblem, coordinates: FloatArray, effects: Sequence[Any], rows: Sequence[Booleans]
 ) -> Errors:
     """Return the errors of a model on the given points of every photograph."""
     state = problem.state(coordinates, effects)
@@ -37,24 +29,21 @@ def errors_of(
         distance = np.hypot(run.x - line.x[0], run.y - line.y[0])
         shape.append(distance[rows[index]])
         tips.append(distance[-1])
-    return (
-        Errors(_rms(np.concatenate(shape)) / MILLIMETRE, _rms(np.array(tips)) / MILLIMETRE)
-        if shape
-        else Errors(0.0, 0.0)
-    )
+    distances = np.concatenate(shape) if shape else np.zeros(0)
+    return Errors(distances.size, rms(distances) / MILLIMETRE, rms(np.array(tips)) / MILLIMETRE)
 
 
-def expected_of(problem: Problem, fitted: Fit, rows: Sequence[NDArray[np.bool_]], noise: float) -> float:
+def expected_of(problem: ShapeProblem, fitted: Fit, rows: Sequence[Booleans], noise: float) -> float:
     """Return the RMS distance, mm, at which a right model is expected from points it was not fitted to.
 
     Noise of the points (m, along either axis) and, to first order, what fitted parameters leave open; numbers of tubes that
     no fitted photograph shows are taken as known.
     """
     chosen = [index for index, wanted in enumerate(rows) if wanted.any()]
-    space = Space(problem, fitted.effects)
+    space = problem.space(fitted.effects)
     vector = space.joined(fitted.coordinates)
     moved = [vector]
-    root = np.linalg.cholesky(fitted.covariance + 1e-12 * np.diag(space.width**2))
+    root = np.linalg.cholesky(fitted.covariance + 1e-12 * np.diag(space.spread**2))
     moved += [np.clip(vector + step, space.low, space.high) for step in root.T]
     states = [problem.state(*space.split(one)) for one in moved]
     lines = problem.forward.lines([(index, state) for state in states for index in chosen])
@@ -65,7 +54,3 @@ def expected_of(problem: Problem, fitted: Fit, rows: Sequence[NDArray[np.bool_]]
         spread = sum((other.x[0] - here.x[0]) ** 2 + (other.y[0] - here.y[0]) ** 2 for other in others)
         variance.append((spread + np.zeros_like(here.x[0]))[rows[index]])
     return float(np.sqrt(2.0 * noise**2 + np.mean(np.concatenate(variance)))) / MILLIMETRE if chosen else 0.0
-
-
-def _rms(values: FloatArray) -> float:
-    return float(np.sqrt(np.mean(values**2))) if values.size else 0.0

@@ -6,11 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from coast_cli.diagnosis.holdout import HoldOut, check_named
+from coast_cli.diagnosis.holdout import HoldOut, check_named, whole_runs
 from coast_cli.diagnosis.shapes.photograph import Photograph
-
-_BLOCKS = 8
-_SHORTEST_FOR_BLOCKS = 32
+from coast_cli.diagnosis.thresholds import BLOCKS, SHORTEST_SHAPE_FOR_BLOCKS
 
 
 def hold_out_photographs(photographs: Sequence[Photograph], named: Sequence[str] = ()) -> HoldOut:
@@ -19,26 +17,21 @@ def hold_out_photographs(photographs: Sequence[Photograph], named: Sequence[str]
     Raises:
         BadInput: a named run does not exist, or every run is named.
     """
-    names = [photograph.run.name for photograph in photographs]
-    check_named(names, named)
+    runs = [photograph.run for photograph in photographs]
+    check_named([run.name for run in runs], named)
     if named:
-        return _whole(photographs, set(named), "the runs named", chosen=False)
+        return whole_runs(runs, named, "the runs named", chosen=False)
     spared = _expendable(photographs) if len(photographs) >= 3 else set()
     if spared:
         rule = "photographs taken twice, a quarter at most, else the last whose tube and side up others also show"
-        return _whole(photographs, spared, rule, chosen=True)
+        return whole_runs(runs, sorted(spared), rule, chosen=True)
     rows = []
     for photograph in photographs:
         count = len(photograph.run)
-        block = np.arange(count) * _BLOCKS // max(count, 1)
-        rows.append(np.isin(block, (2, 5)) if count >= _SHORTEST_FOR_BLOCKS else np.zeros(count, bool))
+        block = np.arange(count) * int(BLOCKS) // max(count, 1)
+        rows.append(np.isin(block, (2, 5)) if count >= SHORTEST_SHAPE_FOR_BLOCKS else np.zeros(count, bool))
     rule = "stretches of every shape, as no whole one can be spared; this is weaker than a shape that was not seen"
     return HoldOut(tuple(rows), (), rule, chosen=True)
-
-
-def _whole(photographs: Sequence[Photograph], names: set[str], rule: str, *, chosen: bool) -> HoldOut:
-    rows = tuple(np.full(len(photograph.run), photograph.run.name in names) for photograph in photographs)
-    return HoldOut(rows, tuple(p.run.name for p in photographs if p.run.name in names), rule, chosen)
 
 
 def _expendable(photographs: Sequence[Photograph]) -> set[str]:

@@ -11,20 +11,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from coast_cli.diagnosis.fit import Fit
 from coast_cli.diagnosis.noise_model import NoiseBank
-from coast_cli.diagnosis.shapes.fit import Fit
-from coast_cli.diagnosis.shapes.problem import Problem
+from coast_cli.diagnosis.shapes.problem import ShapeProblem
+from coast_cli.diagnosis.thresholds import POINTS_ABOVE_NOISE, POINTS_REPEAT, SMOOTHER_NATS
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.recordings.noise import NoiseEstimate, Series, pooled_noise
 
-_ABOVE_NOISE = 1.5
-_NATS = 6.0
-_REPEATS = 0.35
 _SMOOTHED = 12
 
 
 @dataclass(frozen=True, slots=True)
-class Leftover:
+class LeftoverShape:
     """Structure left, m RMS; nats by which a smooth curve is likelier than noise; share that repeats."""
 
     size: float
@@ -32,7 +30,7 @@ class Leftover:
     repeats: float
 
 
-def points_noise(problem: Problem, fitted: Fit) -> NoiseEstimate:
+def points_noise(problem: ShapeProblem, fitted: Fit) -> NoiseEstimate:
     """Return the noise of the points across the line, m: what no smooth curve through the residuals can hold."""
     series = []
     for photograph, rows, (across, _) in zip(problem.photographs, problem.slices, problem.rows, strict=True):
@@ -43,22 +41,22 @@ def points_noise(problem: Problem, fitted: Fit) -> NoiseEstimate:
     return pooled_noise(series)
 
 
-def find_leftover(problem: Problem, fitted: Fit, floor: float, *, sure: bool) -> Leftover:
+def find_leftover(problem: ShapeProblem, fitted: Fit, floor: float, *, sure: bool) -> LeftoverShape:
     """Return the structure that a fit leaves; ``floor`` is the noise, m, ``sure`` whether its level is known."""
     bank = NoiseBank(problem.sequences, kernel="smooth")
     smooth = bank.evidence(fitted.residual)
     nats = smooth.log_likelihood - fitted.evidence.log_likelihood
-    share = 1.0 - bank.white_share(smooth.colour) if nats > _NATS else 0.0
+    share = 1.0 - bank.white_share(smooth.colour) if nats > SMOOTHER_NATS else 0.0
     repeats = _repeats(problem, fitted.residual)
-    if repeats > _REPEATS:
+    if repeats > POINTS_REPEAT:
         share = max(share, repeats)
     size = fitted.rmse * float(np.sqrt(share))
-    if sure and fitted.rmse > _ABOVE_NOISE * floor:
+    if sure and fitted.rmse > POINTS_ABOVE_NOISE * floor:
         size = max(size, float(np.sqrt(fitted.rmse**2 - floor**2)))
-    return Leftover(size, float(nats), repeats)
+    return LeftoverShape(size, float(nats), repeats)
 
 
-def _repeats(problem: Problem, residual: FloatArray) -> float:
+def _repeats(problem: ShapeProblem, residual: FloatArray) -> float:
     """Return the share of power that a smoothed photograph predicts in another of the same tube, the same way up."""
     groups: dict[tuple[object, ...], list[tuple[FloatArray, FloatArray]]] = {}
     for photograph, rows, (across, _) in zip(problem.photographs, problem.slices, problem.rows, strict=True):

@@ -11,15 +11,26 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from coast_cli.diagnosis.fit import Fit
 from coast_cli.diagnosis.noise_model import NoiseBank
+from coast_cli.diagnosis.problem import Candidate, Channel, Effort, Variant
 from coast_cli.diagnosis.shapes.forward import Forward, Job, State, misfit
 from coast_cli.diagnosis.shapes.photograph import Photograph, photographs, usual_sign
-from coast_cli.effects.shapes.catalogue import build_shape_effects, in_order
+from coast_cli.diagnosis.space import (
+    BaseParameter,
+    Booleans,
+    Coordinate,
+    ParameterSpace,
+    Point,
+    configured_coordinates,
+)
+from coast_cli.diagnosis.thresholds import EFFECT_NATS, ENOUGH_EXPLAINED, SMALLEST, SMALLEST_PART
+from coast_cli.effects.shapes.catalogue import SHAPE_CATALOGUE, build_shape_effects, in_order
 from coast_cli.effects.shapes.effect import Scene, ShapeEffect
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.mechanics.tube import NotchedTube
@@ -29,43 +40,45 @@ if TYPE_CHECKING:
     from coast_cli.recordings.model import ShapeRun
     from coast_cli.spec.config import Config
 
-Booleans = NDArray[np.bool_]
 _MODULUS_PRIOR = 0.5  # of the logarithm
 _MODULUS_RANGE = 8.0
 _CURVATURE_PRIOR = 0.5  # of the configured value, and at least ...
 _CURVATURE_TURN = 0.3  # ... this turn of the whole tube, rad
+_REACH = 8.0  # prior widths that one step of a fit may go
 
 
 # Standard deviation, from tube to tube, of the end effect about the table of sharp-cornered periodic cells: tubes solved
 # whole as 3-D solids need 1.00 to 1.10 of their cells' (examples/solid), and the corners of a laser's cut are round.
 END_EFFECT_SPREAD = 0.06
-
-
-@dataclass(frozen=True, slots=True)
-class BaseParameter:
-    """A free number of the base model by its key in the file; fitted as a logarithm where it is a modulus.
-
-    Attributes:
-        key: dotted, e.g. ``materials.nitinol.youngs_modulus_gpa``. value: configured. prior: standard deviation.
-        tubes: numbers of the tubes it belongs to. quantity: a spread is that of a tube's end effect, and no key of a file.
-    """
-
-    key: str
-    value: float
-    low: float
-    high: float
-    prior: float
-    tubes: tuple[int, ...]
-    quantity: Literal["modulus", "curvature", "spread"]
-
-    @property
-    def logarithmic(self) -> bool:
-        """Whether the fit moves the logarithm."""
-        return self.quantity == "modulus"
+_EFFORT = Effort(
+    fitted=(9, 4),
+    finished=(9, 4),
+    starts=1,
+    steps=4,
+    far_behind=25.0,
+    least_gain=1.0,
+    least_share=0.2,
+    enough=ENOUGH_EXPLAINED,
+    exchanges=True,
+)
+_LOOSENED = 0.3
+_REMEMBERED = 4096
 
 
 @dataclass(frozen=True)
-class Problem:
+class TubeParameter(BaseParameter):
+    """A free number of the base model by its key in the file, e.g. ``materials.nitinol.youngs_modulus_gpa``.
+
+    Attributes:
+        tubes: numbers of the tubes it belongs to. quantity: a spread is that of a tube's end effect, and no key of a file.
+    """
+
+    tubes: tuple[int, ...] = ()
+    quantity: Literal["modulus", "curvature", "spread"] = "modulus"
+
+
+@dataclass(frozen=True)
+class ShapeProblem:
     """Photographs, ready to be fitted.
 
     Attributes:
@@ -73,15 +86,18 @@ class Problem:
         modulus, natural: Pa, and natural curvature towards its own side, 1/m, as configured, by tube number.
         stock: every tube of the configuration, photographed or not, by its number, with its table there.
         fixed_effects: corrections that the configuration already carries.
+        noise: of the points, m. concealed: ids of effects that are neither named nor rivals.
     """
 
     forward: Forward
-    calibratable: tuple[BaseParameter, ...]
+    calibratable: tuple[TubeParameter, ...]
     train: tuple[Booleans, ...]
     modulus: Mapping[int, float]
     natural: Mapping[int, float]
     stock: Mapping[int, tuple[str, NotchedTube]]
     fixed_effects: tuple[ShapeEffect, ...]
+    noise: float = 1e-4
+    concealed: frozenset[str] = frozenset()
 
     @property
     def photographs(self) -> tuple[Photograph, ...]:
@@ -89,7 +105,7 @@ class Problem:
         return self.forward.photographs
 
     @cached_property
-    def base(self) -> tuple[BaseParameter, ...]:
+    def base(self) -> tuple[TubeParameter, ...]:
         """The free parameters: of tubes that are fitted; those of tubes held out stay as configured."""
         pairs = zip(self.photographs, self.train, strict=True)
         fitted = {number for photograph, train in pairs if train.any() for number, _ in photograph.tubes}
@@ -153,18 +169,12 @@ class Problem:
 
     def configured(self) -> FloatArray:
         """Return the base parameters as configured, in fit coordinates."""
-        return np.array([np.log(p.value) if p.logarithmic else p.value for p in self.base])
-
-    def bounds(self) -> tuple[FloatArray, FloatArray]:
-        """Return the bounds of the base parameters, in fit coordinates."""
-        low = np.array([np.log(p.low) if p.logarithmic else p.low for p in self.base])
-        high = np.array([np.log(p.high) if p.logarithmic else p.high for p in self.base])
-        return low, high
+        return configured_coordinates(self.base)
 
     def values(self, coordinates: FloatArray) -> dict[str, float]:
         """Return the base parameters by key, in the unit of the file."""
         pairs = zip(self.base, coordinates.tolist(), strict=True)
-        return {p.key: float(np.exp(c)) if p.logarithmic else c for p, c in pairs if p.quantity != "spread"}
+        return {p.name: p.outer(c) for p, c in pairs if p.quantity != "spread"}
 
     def spreads(self, coordinates: FloatArray) -> dict[int, float]:
         """Return by tube number by how much its end effect differs from the table's, as a share of it."""
@@ -203,7 +213,7 @@ class Problem:
             found.add("notch_end_effect")
         return found
 
-    def state(self, coordinates: FloatArray, effects: Sequence[ShapeEffect]) -> State:
+    def state(self, coordinates: FloatArray, effects: Sequence[Any]) -> State:
         """Return one set of parameters."""
         modulus, natural, spread = dict(self.modulus), dict(self.natural), {}
         for parameter, value in zip(self.base, coordinates.tolist(), strict=True):
@@ -216,43 +226,167 @@ class Problem:
                     spread[tube] = value
         return State(modulus, natural, (*self.fixed_effects, *effects), spread)
 
-    def residuals(self, jobs: Sequence[Job]) -> list[FloatArray]:
-        """Return the fitted residuals of each job's photograph, observed less model, m."""
-        found = []
-        for (index, _), line in zip(jobs, self.forward.lines(jobs), strict=True):
+    def residuals(self, points: Sequence[Point]) -> list[FloatArray]:
+        """Return the fitted residuals at each point, recorded less predicted, m; beams that are known are not solved again."""
+        wanted = [self._jobs(coordinates, effects) for coordinates, effects in points]
+        fresh = {key: job for jobs in wanted for key, job in jobs if key not in self._known}
+        lines = self.forward.lines(list(fresh.values()))
+        found: dict[tuple[object, ...], FloatArray] = {}
+        for (key, (index, _)), line in zip(fresh.items(), lines, strict=True):
             across, along = misfit(self.photographs[index], line)
             rows = self.rows[index]
-            found.append(np.concatenate((across[0][rows[0]], along[0][rows[1]])))
+            found[key] = np.concatenate((across[0][rows[0]], along[0][rows[1]]))
+        parts = [[found[key] if key in found else self._known[key] for key, _ in jobs] for jobs in wanted]
+        if len(self._known) + len(found) > _REMEMBERED:
+            self._known.clear()
+        self._known.update(found)
+        return [np.concatenate(one) for one in parts]
+
+    @cached_property
+    def _known(self) -> dict[tuple[object, ...], FloatArray]:
+        """Residuals of photographs by what they depend on."""
+        return {}
+
+    def _jobs(self, coordinates: FloatArray, effects: Sequence[Any]) -> list[tuple[tuple[object, ...], Job]]:
+        """Return for each photograph what its line depends on, and the state that gives it."""
+        state = self.state(coordinates, effects)
+        found: list[tuple[tuple[object, ...], Job]] = []
+        for index, photograph in enumerate(self.photographs):
+            acting = tuple(effect for effect in state.effects if _touches(effect, photograph))
+            by_tube = any(getattr(effect, "by_tube", 0.0) for effect in acting)
+            numbers = tuple(
+                (n, state.modulus[n], state.natural[n], state.spread.get(n, 0.0) if by_tube else 0.0)
+                for n, _ in photograph.tubes
+            )
+            found.append(((index, numbers, acting), (index, replace(state, effects=acting))))
         return found
 
-    def residual(self, coordinates: FloatArray, effects: Sequence[ShapeEffect] = ()) -> FloatArray:
-        """Return all fitted residuals of one set of parameters, m."""
-        state = self.state(coordinates, effects)
-        return np.concatenate(self.residuals([(index, state) for index in range(len(self.photographs))]))
+    @property
+    def channels(self) -> tuple[Channel, ...]:
+        """Where points miss the line, across it and, of those whose place is known, along it."""
+        return (Channel(slice(0, self.size), self.bank, self.noise, _LOOSENED),)
 
-    def touched(self, effect: ShapeEffect) -> list[int]:
-        """Return the photographs that an effect changes."""
-        return [
-            index
-            for index, photograph in enumerate(self.photographs)
-            if (photograph.is_pair or not effect.on_pairs)
-            and any(effect.acts_on(number) for number, _ in photograph.tubes)
-        ]
+    @property
+    def effort(self) -> Effort:
+        """How wide to search."""
+        return _EFFORT
 
-    def touched_by_base(self, place: int, effects: Sequence[ShapeEffect]) -> list[int]:
-        """Return the photographs that a base parameter changes, where these effects take part."""
-        if self.base[place].quantity == "spread" and not any(getattr(effect, "by_tube", 0.0) for effect in effects):
-            return []
-        tubes = set(self.base[place].tubes)
-        return [i for i, p in enumerate(self.photographs) if tubes & {number for number, _ in p.tubes}]
+    @property
+    def noise_floor(self) -> float:
+        """The noise of the points, m."""
+        return self.noise
 
-    def with_train(self, train: Sequence[Booleans]) -> Problem:
+    @property
+    def misfit(self) -> float:
+        """Factor on variances of parameters."""
+        return 1.0
+
+    def space(self, effects: Sequence[Any]) -> ParameterSpace:
+        """Return what a fit of these effects moves; the spread of end effects pays where an effect lets tubes differ."""
+        by_tube = any(getattr(effect, "by_tube", 0.0) for effect in effects)
+        base = tuple(
+            Coordinate(
+                name=p.name,
+                value=p.value,
+                low=p.low,
+                high=p.high,
+                width=p.prior,
+                scale=p.prior,
+                mean=p.inner,
+                reach=_REACH * p.prior,
+                logarithmic=p.logarithmic,
+                pays=by_tube and p.quantity == "spread",
+            )
+            for p in self.base
+        )
+        return ParameterSpace(base, tuple(effects), tuple(self._owned(effect) for effect in effects))
+
+    def _owned(self, effect: ShapeEffect) -> tuple[Coordinate, ...]:
+        found = []
+        numbers = zip(effect.fitted(), effect.fitted_values(), effect.widths(self.scene).tolist(), strict=True)
+        for p, value, width in numbers:
+            logarithmic = p.name in effect.logarithmic
+            expected = effect.expected.get(p.name)
+            found.append(
+                Coordinate(
+                    name=p.name,
+                    value=float(value),
+                    low=p.low,
+                    high=p.high,
+                    width=width,
+                    scale=width,
+                    mean=None if expected is None else expected[0],
+                    null=float(np.log(value)) if logarithmic else p.null,
+                    reach=_REACH * width,
+                    logarithmic=logarithmic,
+                )
+            )
+        return tuple(found)
+
+    def candidates(self, parent: Sequence[Any], *, alone: bool) -> list[Candidate]:
+        """Return what may be added to a set: of each effect the starts that let tubes differ stand by themselves."""
+        taken = {effect.id for effect in parent} | self.carried | self.concealed
+        found = []
+        for kind in SHAPE_CATALOGUE.values():
+            if kind.id in taken or (kind.on_pairs and not self.scene.pairs):
+                continue
+            groups: dict[float, list[ShapeEffect]] = {}
+            for start in kind.starts(self.scene):
+                groups.setdefault(float(getattr(start, "by_tube", 0.0)), []).append(start)
+            found += [Candidate(tuple(starts), expected=kind.rarity < 0.0) for starts in groups.values()]
+        return found
+
+    def ordered(self, effects: Sequence[Any]) -> tuple[Any, ...]:
+        """Return effects in the order in which they act."""
+        return in_order(effects)
+
+    def variant(self, effect: Any) -> Variant:  # noqa: ANN401
+        """Return an effect's id, and the tube it sits on or whether tubes differ."""
+        identifier, chosen = effect.variant
+        return identifier, float(chosen)
+
+    def two_sided(self, effect: Any) -> bool:  # noqa: ANN401
+        """Return whether the effect can be turned round."""
+        return not effect.one_sided()
+
+    def scaled(self, effect: Any, amount: float) -> Any:  # noqa: ANN401
+        """Return an effect made ``amount`` times as strong, inside its ranges."""
+        return effect.scaled(amount)
+
+    def prior_penalty_nats(self, effects: Sequence[Any]) -> float:
+        """Return by how much a set starts behind; that tubes differ from what all have is one more thing to be believed."""
+        chosen = sum(1 for effect in effects if getattr(effect, "tube", 0.0))
+        penalty = chosen * float(np.log(max(len(self.scene.tubes), 1)))
+        return penalty + float(sum(effect.rarity + EFFECT_NATS * getattr(effect, "by_tube", 0.0) for effect in effects))
+
+    def most_effects(self) -> int:
+        """Return how many effects can be supported: as many as are asked for."""
+        return len(SHAPE_CATALOGUE)
+
+    def is_needed(self, larger: Fit, smaller: Fit, base: Fit) -> bool:
+        """Return whether a larger set changes the shape enough, or the few residuals along it."""
+        change = (larger.residual - smaller.residual) ** 2
+        along = float(np.mean(change[self.along])) if self.along.any() else 0.0
+        least = max(SMALLEST * larger.evidence.level, SMALLEST_PART * base.rmse)
+        return float(np.sqrt(max(float(np.mean(change)), along))) >= least
+
+    def only(self, train: Sequence[Booleans]) -> ShapeProblem:
         """Return the same with other points fitted."""
         return replace(self, train=tuple(train))
 
 
-def build_problem(config: Config, runs: Sequence[ShapeRun]) -> Problem:
+def _touches(effect: ShapeEffect, photograph: Photograph) -> bool:
+    """Return whether an effect changes a photograph."""
+    if effect.on_pairs and not photograph.is_pair:
+        return False
+    return any(effect.acts_on(number) for number, _ in photograph.tubes)
+
+
+def build_shape_problem(config: Config, runs: Sequence[ShapeRun], *, without: Sequence[str] = ()) -> ShapeProblem:
     """Return the problem that runs pose to a configuration, all points fitted.
+
+    Args:
+        without: ids of effects that are neither named nor rivals.
 
     Raises:
         BadInput: a tube is unknown, or the points cannot be its shape.
@@ -265,7 +399,7 @@ def build_problem(config: Config, runs: Sequence[ShapeRun]) -> Problem:
     natural = {number: usual_sign(design, tube) * tube.natural_curvature for number, tube in tubes.items()}
     seen = {number for photograph in taken for number, _ in photograph.tubes}
     alone = {photograph.tubes[0][0] for photograph in taken if not photograph.is_pair}
-    return Problem(
+    return ShapeProblem(
         forward=Forward(taken, design.gravity),
         calibratable=(
             *_moduli(config, seen),
@@ -280,10 +414,11 @@ def build_problem(config: Config, runs: Sequence[ShapeRun]) -> Problem:
             for number, tube in tubes.items()
         },
         fixed_effects=build_shape_effects(config.corrections),
+        concealed=frozenset(without),
     )
 
 
-def _moduli(config: Config, seen: set[int]) -> list[BaseParameter]:
+def _moduli(config: Config, seen: set[int]) -> list[TubeParameter]:
     from coast_cli.spec.tubes import bench_tubes
     from coast_cli.spec.values import Calibrated
 
@@ -297,16 +432,18 @@ def _moduli(config: Config, seen: set[int]) -> list[BaseParameter]:
         key = f"materials.{name}.youngs_modulus_gpa"
         if isinstance(given, Calibrated):
             prior = max(float(np.log(given.max / given.min)) / 4.0, 1e-9)
-            found.append(BaseParameter(key, given.value, given.min, given.max, prior, tuple(numbers), "modulus"))
+            found.append(
+                TubeParameter(key, given.value, given.min, given.max, prior, logarithmic=True, tubes=tuple(numbers))
+            )
         else:
             low, high = max(given / _MODULUS_RANGE, 0.001), min(given * _MODULUS_RANGE, 1e4)
-            found.append(BaseParameter(key, given, low, high, _MODULUS_PRIOR, tuple(numbers), "modulus"))
+            found.append(TubeParameter(key, given, low, high, _MODULUS_PRIOR, logarithmic=True, tubes=tuple(numbers)))
     return found
 
 
 def _curvatures(
     config: Config, alone: set[int], natural: Mapping[int, float], lengths: Mapping[int, float]
-) -> list[BaseParameter]:
+) -> list[TubeParameter]:
     outer = 0 if config.outer is None else len(config.outer.samples)
     found = []
     for number in sorted(alone):
@@ -319,7 +456,7 @@ def _curvatures(
         reach = 8.0 * prior + abs(value)
         low, high = max(value - reach, -1000.0), min(value + reach, 1000.0)
         key = f"{role}.samples.{name}.natural_curvature_per_m"
-        found.append(BaseParameter(key, value, low, high, prior, (number,), "curvature"))
+        found.append(TubeParameter(key, value, low, high, prior, tubes=(number,), quantity="curvature"))
     return found
 
 
@@ -329,11 +466,13 @@ def _number(values: FloatArray) -> float | list[float]:
     return listed[0] if len(set(listed)) == 1 else listed
 
 
-def _spreads(alone: Mapping[int, str]) -> list[BaseParameter]:
+def _spreads(alone: Mapping[int, str]) -> list[TubeParameter]:
     """Return the spread of each tube's end effect; by one tube alone it is a part of the effect itself."""
     most = 2.0 * END_EFFECT_SPREAD
     return [
-        BaseParameter(f"{name}.end_effect_spread", 0.0, -most, most, END_EFFECT_SPREAD, (number,), "spread")
+        TubeParameter(
+            f"{name}.end_effect_spread", 0.0, -most, most, END_EFFECT_SPREAD, tubes=(number,), quantity="spread"
+        )
         for number, name in alone.items()
         if len(alone) > 1
     ]

@@ -14,15 +14,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coast_cli.diagnosis.locate import Region
-from coast_cli.diagnosis.shapes.fit import Fit, Space
-from coast_cli.diagnosis.shapes.problem import Problem
+from coast_cli.diagnosis.fit import Fit
+from coast_cli.diagnosis.locate import Region, in_order_of_share
+from coast_cli.diagnosis.shapes.problem import ShapeProblem
+from coast_cli.diagnosis.thresholds import PAIR_SHARE, SIGNIFICANT
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.units import MILLIMETRE
 
 _BINS = 16
 _REFINED, _FINER = 3, 8
-_SIGNIFICANT = 0.01
 _WIDTHS = (0.3, 3.0, 30.0)  # of the curvature that turns the tip by one noise width over the tube's length
 
 
@@ -58,7 +58,7 @@ class _Linear:
     slices: tuple[slice, ...]
 
 
-def locate(problem: Problem, base: Fit, noise: float, correlation: float = 0.0) -> tuple[Region, ...]:
+def locate_along_tube(problem: ShapeProblem, base: Fit, noise: float, correlation: float = 0.0) -> tuple[Region, ...]:
     """Return the regions that hold the base model's excess error, largest share first; none where it agrees.
 
     Args:
@@ -82,16 +82,16 @@ def locate(problem: Problem, base: Fit, noise: float, correlation: float = 0.0) 
     known = float(np.clip(correlation, 0.0, 0.95))
     nats = best.gain * (1.0 - known) / (1.0 + known)
     p_value = float(min(1.0, looks * np.exp(-min(nats, 700.0))))
-    if p_value > _SIGNIFICANT:
+    if p_value > SIGNIFICANT:
         return ()
     power = float(linear.residual @ linear.residual)
     excess = max(power - linear.residual.size, 1e-300)
     share = float(np.clip((power - best.left) / excess, 0.0, 1.0))
     along = Region("arc_length", None, best.low / MILLIMETRE, best.high / MILLIMETRE, share, p_value)
-    return tuple(sorted((along, *_by_photograph(problem, linear, excess)), key=lambda region: -region.share))
+    return in_order_of_share((along, *_by_photograph(problem, linear, excess)))
 
 
-def _by_photograph(problem: Problem, linear: _Linear, excess: float) -> list[Region]:
+def _by_photograph(problem: ShapeProblem, linear: _Linear, excess: float) -> list[Region]:
     """Return the tube, where several were photographed, that holds most of the excess, if it holds more than its part."""
     parts: dict[str, tuple[float, int]] = {}
     for photograph, rows in zip(problem.photographs, linear.slices, strict=True):
@@ -106,10 +106,10 @@ def _by_photograph(problem: Problem, linear: _Linear, excess: float) -> list[Reg
     rest = max(sum(part[0] for part in parts.values()) - power, 1e-300)
     nats = 0.5 * count * np.log(max(power / count, 1e-300) / ((power + rest) / total))
     p_value = float(min(1.0, len(parts) * np.exp(-max(nats, 0.0))))
-    return [Region("pair", name, None, None, share, p_value)] if p_value < _SIGNIFICANT and share > 0.5 else []
+    return [Region("pair", name, None, None, share, p_value)] if p_value < SIGNIFICANT and share > PAIR_SHARE else []
 
 
-def _linear(problem: Problem, base: Fit, noise: float, edges: FloatArray) -> _Linear:
+def _linear(problem: ShapeProblem, base: Fit, noise: float, edges: FloatArray) -> _Linear:
     level = max(noise, 1e-12)
     bins = np.zeros((problem.size, edges.size - 1))
     rotation = np.zeros((problem.size, 1))
@@ -127,11 +127,11 @@ def _linear(problem: Problem, base: Fit, noise: float, edges: FloatArray) -> _Li
         part = slice(rows.start, rows.start + int(across.sum()))
         bins[part] = np.einsum("nkd,nd->nk", moved, _normal(tangent))[across]
         rotation[part] = np.einsum("nkd,nd->nk", swung, _normal(tangent))[across]
-    space = Space(problem, base.effects)
+    space = problem.space(base.effects)
     return _Linear(
         residual=base.residual / level,
         base=-base.jacobian / level,
-        precision=np.diag(1.0 / space.width**2),
+        precision=np.diag(1.0 / space.spread**2),
         bins=bins / level,
         rotation=rotation / level,
         edges=edges,
