@@ -53,6 +53,7 @@ COMMANDS = {
     "init": "coast_cli.cli.init:init",
     "schema": "coast_cli.cli.schema:schema",
     "explain": "coast_cli.cli.explain:explain",
+    "effects": "coast_cli.cli.effects:effects",
     "guide": "coast_cli.cli.guide:guide",
 }
 # Those that print no table, or one of their own form.

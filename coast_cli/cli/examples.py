@@ -27,7 +27,8 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "validate": (f"{_CONFIG}",),
     "init": ("bench.toml", "-"),
     "schema": ("-o tubes.schema.json",),
-    "explain": ("backlash", "outer.samples", "stroke_mm"),
+    "explain": ("backlash", "joint", "stroke_mm", "--top 20"),
+    "effects": ("", "--show effect,title"),
     "guide": ("", "diagnose"),
 }
 

@@ -2,24 +2,62 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from coast_cli.output.answer import Row
+from coast_cli.output.answer import Cell, Row
 from coast_cli.output.columns import COLUMNS
+
+if TYPE_CHECKING:
+    from coast_cli.effects.effect import Effect
 
 
 def look_up(name: str) -> list[Row]:
     """Return the entries of a name, each with the columns of ``coast explain``.
 
-    A key is found by its last part too, and an effect answers with its parameters.
+    A key is found by its last part too; an effect answers with its parameters, a table with its keys.
     """
     names = [full for full in glossary() if name in {full, full.rpartition(".")[2]}]
     found = [entry for full in names for entry in glossary()[full]]
-    if any("effect of" in str(entry["kind"]) for entry in found):
-        found += [entry for full, below in glossary().items() if full.startswith(f"{name}.") for entry in below]
+    is_effect = any("effect of" in str(entry["kind"]) for entry in found)
+    for full, below in glossary().items():
+        if any(full.startswith((f"{table}.", f"{table}[].")) for table in (names if not is_effect else [name])):
+            found += [entry for entry in below if entry not in found]
     return found
+
+
+def everything() -> list[Row]:
+    """Return every entry, effects first."""
+    return [entry for entries in glossary().values() for entry in entries if entry["kind"] != "recording that decides"]
+
+
+def effect_kinds(name: str) -> dict[str, type[Effect]]:
+    """Return the effect of an id, by what it acts on; empty where there is none."""
+    return {where: catalogue[name] for where, catalogue in _catalogues().items() if name in catalogue}
+
+
+def effect_rows() -> list[Row]:
+    """Return every effect with the columns of ``coast effects``, in the order in which they act."""
+    from coast_cli.effects.effect import STAGES
+
+    found: dict[str, dict[str, Cell]] = {}
+    for where, catalogue in _catalogues().items():
+        for effect in catalogue.values():
+            stage = getattr(effect, "stage", "shape")
+            row = {"stage": stage, "effect": effect.id, "of": where, "component": effect.component}
+            known = found.setdefault(effect.id, row | {"kind": effect.kind, "title": effect.title})
+            if known["of"] != where:
+                known["of"] = "both"
+    order = (*STAGES, "shape")
+    return sorted(found.values(), key=lambda row: order.index(str(row["stage"])))
+
+
+def _catalogues() -> dict[str, Mapping[str, type[Effect]]]:
+    from coast_cli.effects.catalogue import CATALOGUE
+    from coast_cli.effects.shapes.catalogue import SHAPE_CATALOGUE
+
+    return {"a joint": CATALOGUE, "shapes": SHAPE_CATALOGUE}
 
 
 @cache
@@ -31,15 +69,20 @@ def glossary() -> dict[str, list[Row]]:
     return found
 
 
-def _entry(name: str, kind: str, meaning: str, allowed: str | None = None, source: str | None = None) -> Row:
-    return {"name": name, "kind": kind, "meaning": meaning, "allowed": allowed, "source": source}
+def _entry(
+    name: str,
+    kind: str,
+    meaning: str,
+    *,
+    allowed: str | None = None,
+    typical: str | None = None,
+    source: str | None = None,
+) -> Row:
+    return {"name": name, "kind": kind, "meaning": meaning, "allowed": allowed, "typical": typical, "source": source}
 
 
 def _effects() -> Iterator[Row]:
-    from coast_cli.effects.catalogue import CATALOGUE
-    from coast_cli.effects.shapes.catalogue import SHAPE_CATALOGUE
-
-    for where, catalogue in (("a joint", CATALOGUE), ("shapes", SHAPE_CATALOGUE)):
+    for where, catalogue in _catalogues().items():
         for effect in catalogue.values():
             meaning = f"{effect.title} ({effect.component}): {effect.equation}"
             yield _entry(effect.id, f"{effect.kind} effect of {where}", meaning, source=effect.source)
@@ -47,25 +90,58 @@ def _effects() -> Iterator[Row]:
             for parameter in effect.parameters:
                 allowed = f"{parameter.low:g} to {parameter.high:g}"
                 name = f"{effect.id}.{parameter.name}"
-                yield _entry(name, "parameter of an effect", f"of {effect.title}", allowed, parameter.source)
+                yield _entry(
+                    name, "parameter of an effect", f"of {effect.title}", allowed=allowed, source=parameter.source
+                )
 
 
 def _keys() -> Iterator[Row]:
     from coast_cli.spec.schema import config_schema
 
     schema = config_schema()
-    yield from _keys_below("", schema, schema["$defs"])
+    yield from _keys_below("", schema, schema["$defs"], _Reference())
 
 
-def _keys_below(prefix: str, table: dict[str, Any], shared: dict[str, Any]) -> Iterator[Row]:
+class _Reference:
+    """The reference input, which says what is typical and where that comes from."""
+
+    def __init__(self) -> None:
+        from coast_cli.output.report_inputs import Sources
+        from coast_cli.spec.load import REFERENCE, load_config
+
+        config = load_config(REFERENCE)
+        self.document: Any = config.model_dump(exclude_unset=True)
+        self.sources = Sources(config)
+
+    def of(self, full: str) -> tuple[str | None, str | None]:
+        """Return the value of a key and what the file says of it, or twice None where it has no such key."""
+        here, path = self.document, list[str | int]()
+        for part in full.replace("[]", ".[]").split("."):
+            if part == "NAME" and isinstance(here, dict):
+                step: str | int = next(iter(here), "")
+            else:
+                step = 0 if part == "[]" else part
+            try:
+                here = here[step]
+            except (KeyError, IndexError, TypeError):
+                return None, None
+            path.append(step)
+        if isinstance(here, dict | list | tuple):
+            return None, None
+        return str(here), self.sources.of(tuple(path)) or None
+
+
+def _keys_below(prefix: str, table: dict[str, Any], shared: dict[str, Any], reference: _Reference) -> Iterator[Row]:
     for name, key in table.get("properties", {}).items():
         full = f"{prefix}{name}"
         kind = "check" if prefix == "checks." else "configuration key"
-        yield _entry(full, kind, key.get("description", ""), _allowed(key))
+        typical, source = reference.of(full)
+        meaning = key.get("description", "")
+        yield _entry(full, kind, meaning, allowed=_allowed(key), typical=typical, source=source)
         for inner, mark in ((key, ""), (key.get("items"), "[]."), (key.get("additionalProperties"), ".NAME.")):
-            reference = inner.get("$ref") if isinstance(inner, dict) else None
-            if reference:
-                yield from _keys_below(full + (mark or "."), shared[reference.rpartition("/")[2]], shared)
+            link = inner.get("$ref") if isinstance(inner, dict) else None
+            if link:
+                yield from _keys_below(full + (mark or "."), shared[link.rpartition("/")[2]], shared, reference)
 
 
 def _allowed(key: dict[str, Any]) -> str | None:
