@@ -10,17 +10,20 @@ import csv
 import io
 import json
 import subprocess
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
 from examples.concealed.figures import Scores
 from examples.concealed.judge import Judgement, judge
+from examples.concealed.laws import RECIPES
 from examples.concealed.report import details, table
 from examples.concealed.runner import coast
 from examples.concealed.seal import SEALED, Job, build, key_of, open_seal, unseal, write
 from examples.concealed.work import spread
 
+NAMES_ALONE = "the nearest name for every law without one"
 ERROR_KEYS = {
     "curvature_per_m": "rmse_curvature_per_m",
     "bend_deg": "rmse_bend_deg",
@@ -44,8 +47,10 @@ def score(out: Path, *, digest: str | None = None, baselines: int = 0, jobs: int
         "laws": laws_digest()[:16],
     }
     scores = Scores(judged, about=about)
+    if any(j.verdict == "unnamed" for j in judged):
+        scores.others[NAMES_ALONE] = judge_folder(out, out / "answers", truths, held_out, 0, nearest_name)
     if baselines:
-        scores.others = _others(out, judged, truths, held_out, baselines, jobs)
+        scores.others |= _others(out, judged, truths, held_out, baselines, jobs)
     for folder in sorted(out.glob("answers-*")):
         # Answers of the same command with further words: `run --label NAME`.
         name = folder.name.removeprefix("answers-")
@@ -58,10 +63,32 @@ def score(out: Path, *, digest: str | None = None, baselines: int = 0, jobs: int
     return scores
 
 
+def nearest_name(answer: dict[str, Any]) -> dict[str, Any]:
+    """Return an answer as it would be with names alone: the nearest name in the place of a law without one."""
+    diagnosis = answer.get("diagnosis") or {}
+    nearest = (diagnosis.get("unnamed") or {}).get("nearest") or []
+    if diagnosis.get("verdict") != "unnamed" or not nearest:
+        return answer
+    name = str(nearest[0]["id"])
+    kind = RECIPES[name].kind if name in RECIPES else "physics"
+    effect = {"id": name, "kind": kind, "component": RECIPES[name].component if name in RECIPES else ""}
+    return answer | {
+        "diagnosis": diagnosis | {"verdict": kind, "effects": [effect], "unnamed": None, "probabilities": {}}
+    }
+
+
 def judge_folder(
-    out: Path, folder: Path, truths: dict[str, dict[str, Any]], held_out: dict[str, list[str]], jobs: int
+    out: Path,
+    folder: Path,
+    truths: dict[str, dict[str, Any]],
+    held_out: dict[str, list[str]],
+    jobs: int,
+    change: Callable[[dict[str, Any]], dict[str, Any]] = lambda answer: answer,
 ) -> list[Judgement]:
-    """Judge the answers of one folder, in the order of the cases; `jobs` of nought recomputes no errors."""
+    """Judge the answers of one folder, each after a `change`, in the order of the cases.
+
+    `jobs` of nought recomputes no errors.
+    """
     answers = {
         path.stem: json.loads(path.read_text(encoding="utf-8"))
         for path in sorted(folder.glob("*.json"))
@@ -73,7 +100,8 @@ def judge_folder(
         found = pool.map(lambda name: held_out_errors(out, folder, name, truths[name], held_out[name]), ready)
         figures.update(zip(ready, found, strict=True))
     missing = {"diagnosis": None}
-    return [judge(name, truths[name], answers.get(name, missing), figures.get(name)) for name in sorted(truths)]
+    given = {name: change(answers.get(name, missing)) for name in truths}
+    return [judge(name, truths[name], given[name], figures.get(name)) for name in sorted(truths)]
 
 
 def _others(

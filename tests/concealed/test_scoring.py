@@ -139,6 +139,21 @@ def test_answers_of_another_kind_stand_beside_ours_by_the_same_rules(made, cases
     assert "| named-only | 9 |" in table(scores)
 
 
+def test_names_alone_are_an_answer_of_their_own(made, cases, monkeypatch):
+    def reply(truth):
+        answer = oracle(truth)
+        if answer.get("unnamed"):
+            answer["unnamed"]["nearest"] = [{"id": "tendon_creep", "left_over": 0.4}]
+        return answer
+
+    answered(made, monkeypatch, cases, reply)
+    scores = scored(made)
+    alone = scores.others[scorer.NAMES_ALONE]
+    assert scores.mean_score == 1.0
+    assert [j.score for j in alone if j.level in ("L6", "L8")] == [-2.0, -2.0]
+    assert all(j.score == 1.0 for j in alone if j.level not in ("L6", "L8"))
+
+
 def truth(level, *effects, twins=(), size=5.0, kind="physics", base=None):
     return {
         "level": level,
