@@ -13,6 +13,7 @@ from importlib.util import find_spec
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from coast_cli.mechanics.beam.hanging import MOST_NUMBER
 from coast_cli.mechanics.beam.problem import BeamProblem
 from coast_cli.mechanics.beam.solve import solve_plain_turns, solve_problem
 from coast_cli.mechanics.section import FloatArray
@@ -59,6 +60,7 @@ class BeamSolutions:
         converged: shape (m,). residual: what is left of the clamp's angle, rad. iterations: marches over the full beam.
         equilibria: how many equilibria were found under the full load; the one returned is reached from zero load.
         turned_at: share of the load at which the path from zero load turned back, so that the beam snaps; else 1.
+        load_number: of the beams that are not converged: integral of compliance times force, 1.3 where a column buckles.
     """
 
     s: FloatArray
@@ -72,6 +74,7 @@ class BeamSolutions:
     iterations: NDArray[np.int64]
     equilibria: NDArray[np.int64]
     turned_at: FloatArray
+    load_number: FloatArray
 
     def verdict(self, beam: int) -> Verdict:
         """Return the verdict of one beam in words."""
@@ -81,6 +84,7 @@ class BeamSolutions:
                 converged=bool(self.converged[beam]),
                 equilibria=int(self.equilibria[beam]),
                 turned_at=float(self.turned_at[beam]),
+                load_number=float(self.load_number[beam]),
             ),
             iterations=int(self.iterations[beam]),
             residual=float(self.residual[beam]),
@@ -208,6 +212,7 @@ def solve_segments(
         iterations=solved.steps,
         equilibria=solved.equilibria,
         turned_at=solved.turned_at,
+        load_number=solved.load_number,
     )
 
 
@@ -352,7 +357,9 @@ def _loads(gravity: ArrayLike, tip_force: ArrayLike, tip_moment: ArrayLike, base
     return _Loads(*np.broadcast_arrays(size, across, along, moment, base - turned, turned))
 
 
-def _message(*, converged: bool, equilibria: int, turned_at: float) -> str:
+def _message(*, converged: bool, equilibria: int, turned_at: float, load_number: float) -> str:
+    if not converged and load_number > MOST_NUMBER:
+        return f"{NO_EQUILIBRIUM} (its load number is {load_number:.3g}; beams are followed to {MOST_NUMBER:g})"
     if not converged:
         return NO_EQUILIBRIUM
     if turned_at < 1.0:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coast_cli.mechanics.beam.continuation import follow
+from coast_cli.mechanics.beam.hanging import FIRST_NUMBER, MOST_NUMBER, follow_down
 from coast_cli.mechanics.beam.problem import BeamProblem, Trace, march_shape, march_turns, rotation
 from coast_cli.mechanics.beam.start import Start, find_start
 from coast_cli.mechanics.section import FloatArray
@@ -37,6 +38,7 @@ class Equilibria:
         residual: what is left of the clamp's angle, rad, shape (m,). steps: Newton steps, (m,).
         converged: (m,). equilibria: how many were found, (m,).
         turned_at: share of the load where the path from zero load turned back, or 1, (m,).
+        load_number: of beams that are not converged, (m,).
     """
 
     x: FloatArray
@@ -48,6 +50,7 @@ class Equilibria:
     converged: NDArray[np.bool_]
     equilibria: NDArray[np.int64]
     turned_at: FloatArray
+    load_number: FloatArray
 
 
 def solve_problem(problem: BeamProblem) -> Equilibria:
@@ -63,8 +66,11 @@ def solve_problem(problem: BeamProblem) -> Equilibria:
         converged=np.zeros(count, dtype=bool),
         equilibria=np.ones(count, dtype=np.int64),
         turned_at=np.ones(count),
+        load_number=np.zeros(count),
     )
     _solve_into(problem, result)
+    for beam in np.flatnonzero(~result.converged).tolist():
+        _solve_hanging(problem.picked(np.array([beam])), result, beam)
     lost = ~np.all(
         [np.isfinite(table).all(axis=0) for table in (result.x, result.y, result.angle, result.moment)], axis=0
     )
@@ -73,6 +79,28 @@ def solve_problem(problem: BeamProblem) -> Equilibria:
         table[:, lost] = 0.0
     result.residual[~np.isfinite(result.residual)] = np.pi
     return result
+
+
+def _solve_hanging(problem: BeamProblem, result: Equilibria, beam: int) -> None:
+    """Put the equilibrium of a beam too soft to be marched into the result, where its load can be followed."""
+    turned: list[float] = []
+
+    def start(lighter: BeamProblem) -> tuple[FloatArray, FloatArray] | None:
+        found = solve_problem(lighter)
+        turned.append(float(found.turned_at[0]))
+        return (found.angle[:, 0], found.moment[:, 0]) if found.converged[0] else None
+
+    result.load_number[beam] = number = float(problem.load_number[0])
+    if not FIRST_NUMBER < number <= MOST_NUMBER:
+        return
+    found = follow_down(problem, start)
+    if found is None:
+        return
+    for name in ("angle", "moment", "x", "y"):
+        getattr(result, name)[:, beam] = getattr(found, name)
+    result.residual[beam], result.steps[beam], result.converged[beam] = found.residual, found.steps, True
+    if turned[-1] < 1.0:
+        result.turned_at[beam] = turned[-1] * FIRST_NUMBER / number
 
 
 def solve_plain_turns(problem: BeamProblem) -> tuple[FloatArray, NDArray[np.bool_]]:
