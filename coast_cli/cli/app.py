@@ -80,7 +80,9 @@ def run(arguments: list[str]) -> int:
     written = StringIO()  # help and version, which typer writes without a word for a full disk
     try:
         with redirect_stdout(written) if {"-h", "--help", "--version"} & {*arguments} else nullcontext():
-            code = _app(known)(args=arguments, prog_name="coast", standalone_mode=False)
+            code = _app(known, listed=asked is None and _COMPLETES not in os.environ)(
+                args=arguments, prog_name="coast", standalone_mode=False
+            )
     except typer.Abort:  # what older versions of typer make of an interrupt
         raise KeyboardInterrupt from None
     to_stdout(lambda stream: stream.write(written.getvalue()))
@@ -97,15 +99,20 @@ def refusal() -> type[Exception]:
         return import_module("click").ClickException  # type: ignore[no-any-return]
 
 
-def _app(names: list[str]) -> Any:  # noqa: ANN401
+def _app(names: list[str], *, listed: bool) -> Any:  # noqa: ANN401
+    """Return the app of some commands; where they are only listed, without their options, which take time to read."""
     app = typer.Typer(rich_markup_mode=None, pretty_exceptions_enable=False, context_settings=_HELP)
     app.callback()(_coast)
     for name in names:
         module, function = COMMANDS[name].split(":")
         command = getattr(import_module(module), function)
-        full = with_common_options(kept_apart(command), prints_table=name in TABLES)
+        full = _nothing if listed else with_common_options(kept_apart(command), prints_table=name in TABLES)
         app.command(name, short_help=_first_sentence(command), epilog=epilog(name), context_settings=_HELP)(full)
     return app
+
+
+def _nothing() -> None:
+    """Stand for a command in a list."""
 
 
 def _first_sentence(command: Callable[..., object]) -> str:
