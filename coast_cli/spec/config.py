@@ -197,7 +197,9 @@ class Checks(Document):
         " strain, tension and web strain held",
     )
     min_snap_margin: Annotated[float, Within(-100.0, 1.0)] | None = Field(
-        None, description="forecast margin to a jump of the pair (`coast snap`): 1 far away, below 0 it jumps"
+        None,
+        description="forecast margin of `coast snap` at the bending length of max_stroke_mm; below 0 the pair would jump. Held"
+        " by `coast check` alone: tolerance and explore leave it out",
     )
 
 

@@ -5,6 +5,7 @@ import pytest
 
 from coast_cli.design.checks import check_design
 from coast_cli.design.limits import at_the_point
+from coast_cli.design.snapping import snap_rows
 from coast_cli.errors import BadInput
 from coast_cli.mechanics.joint import stroke
 from coast_cli.mechanics.tubes import tubes_of
@@ -52,6 +53,15 @@ def test_the_reach_ends_where_the_stroke_is_used_up(reference_text):
 def test_the_reach_names_the_limit_that_ends_it(reference_text, lines, stopped):
     wanted = "min_bend_deg = { value = 10.0, bending_length_mm = 40.0 }"
     assert checked(reference_text, *lines, wanted)["min_bend_deg"]["stopped_by"] == stopped
+
+
+def test_the_forecast_of_a_jump_is_a_limit_on_the_pair(reference_text):
+    for pair, passed in (("OT4/MT1", True), ("OT3/MT1", False)):
+        row = checked(reference_text, "min_snap_margin = 0.0", pair=pair)["min_snap_margin"]
+        assert row["passed"] is passed
+    whole = snap_rows(build(load_config_text(reference_text)))
+    margins = [one["margin"] for one in whole if (one["outer"], one["middle"]) == ("OT3", "MT1")]
+    assert row["value"] == pytest.approx(min(margins))
 
 
 def test_with_no_other_limit_the_notches_end_the_bend(reference_text):
