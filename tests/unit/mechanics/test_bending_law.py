@@ -143,3 +143,12 @@ def test_many_pairs_at_once_are_the_joints_one_by_one():
     for index in range(2):
         one = stroke(replace(base, outer=replace(base.outer, depth=outer.depth[index])), 110.0, 0.03)
         assert many.stroke[index] == pytest.approx(float(one.stroke), rel=1e-9)
+
+
+def test_tables_of_very_many_tubes_are_coarser_and_still_near():
+    one = joint().outer
+    many = tubes_of([one] * 80)
+    fine = bending_law(one.row, LAW, 45e9, towards_notch=True)
+    coarse = bending_law(many, LAW, 45e9, towards_notch=True)
+    for bend in (40.0, 90.0, 120.0, 200.0, 400.0):
+        assert coarse.carried(np.full((80, 1), bend))[0] == pytest.approx(fine.carried(row(bend))[0], rel=2e-3)
