@@ -110,7 +110,7 @@ def _at_the_point(design: Design, pair: str | None, limit: LimitAtPoint) -> dict
         raise NotConverged(f"checks.max_stroke_mm: {notes[0]}")
     found = {name: np.asarray(columns[name], dtype=float) for name in ("stroke_mm", "tendon_strain", "tension_n")}
     webs = Webs.of(joint)
-    found["web_strain"] = np.asarray([limit.curvature_per_m * webs.strain_per_curvature])
+    found["web_strain"] = webs.strain(np.array([limit.curvature_per_m]))
     found["closure_curvature_per_m"] = np.asarray([webs.closure_curvature])
     return found | beside(found, limit.curvature_per_m)
 

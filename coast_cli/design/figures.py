@@ -41,7 +41,7 @@ def point_figures(
     """Return the columns of ``POINT_FIGURES`` of pairs row by row, bent to a curvature (1/m) over a length (m).
 
     Stroke and tendon strain are those of the joint model with each pair's tubes; the web strain is the largest strain
-    that bending puts into what a notch leaves of either tube, whose cuts take all of the bend.
+    that bending puts into what a notch leaves of either tube, whose cuts take all of the bend; more past a plateau.
 
     Args:
         joint: gives tendon, friction and modulus; its own tubes are not used.
@@ -52,5 +52,6 @@ def point_figures(
         columns = {"stroke_mm": solution.stroke * 1e3, "tendon_strain": solution.tendon_strain}
     strain = [curvature * tubes.strain_per_curvature.max(axis=1) for tubes in (outer, middle)]
     closing = [tubes.closing_curvature.min(axis=1) for tubes in (outer, middle)]
-    columns["web_strain"], columns["closure_curvature_per_m"] = np.maximum(*strain), np.minimum(*closing)
+    rise = pairs.softening.strain_rise(np.full(outer.size, curvature))
+    columns["web_strain"], columns["closure_curvature_per_m"] = np.maximum(*strain) * rise, np.minimum(*closing)
     return columns

@@ -104,7 +104,7 @@ def _bend_deg(config: Config, joint: Joint, outer: Tubes, middle: Tubes) -> Floa
         raise config.refuse(("checks",), "there is no checks.min_bend_deg")
     joints, length = joints_of(joint, outer, middle), checks.min_bend_deg.bending_length_mm * MILLIMETRE
     at_one = point_figures(joint, outer, middle, 1.0, length)
-    webs = Webs(at_one["web_strain"], at_one["closure_curvature_per_m"])
+    webs = Webs(at_one["web_strain"], at_one["closure_curvature_per_m"], joints.softening)
     reached = largest_curvature(lambda curvature: pulled_at(joints, curvature, length), webs, checks)
     return np.asarray(reached * length / DEGREE)
 

@@ -185,7 +185,7 @@ def _notes(
             f"the body stays within {within / MILLIMETRE:g} mm of {far / MILLIMETRE:.4g} of {path.length / MILLIMETRE:.4g} mm: "
             "it has one bend, of one curvature."
         )
-    strain = abs(body.curvature) * Webs.of(joint).strain_per_curvature
+    strain = float(Webs.of(joint).strain(np.array([abs(body.curvature)]))[0])
     if body.bend > 0.0 and strain > PLATEAU_STRAIN and not softens(joint, [effect.id for effect in acting]):
         notes.append(
             f"web strain reaches {100.0 * strain:.3g} %: above {100.0 * PLATEAU_STRAIN:g} % nitinol softens, "

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from coast_cli.mechanics.bending_law import Softening
 from coast_cli.mechanics.joint import DrivenSegment, Joint, stroke, tension
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.spec.config import Checks
@@ -16,6 +17,7 @@ from coast_cli.units import MILLIMETRE
 Mask = NDArray[np.bool_]
 PLATEAU_STRAIN, SET_STRAIN = 0.008, 0.054  # 360 MPa over 45 GPa, and 4.6 % further, where nitinol keeps a set
 _HALVINGS = 60
+_ROUNDED = 1.0 + 1e-12
 _SOFTENING = frozenset({"tube_superelasticity", "tube_hysteresis"})
 
 
@@ -32,12 +34,18 @@ class Webs(NamedTuple):
 
     strain_per_curvature: FloatArray | float
     closure_curvature: FloatArray | float
+    softening: Softening = Softening()
+
+    def strain(self, curvature: FloatArray) -> FloatArray:
+        """Return the largest strain in a web at a curvature (1/m), past the plateau of superelastic tubes too."""
+        return np.asarray(curvature * self.strain_per_curvature * self.softening.strain_rise(curvature))
 
     @classmethod
     def of(cls, joint: Joint) -> Webs:
         """Return those of both tubes of a joint."""
         tubes = [tube for tube in (joint.outer, joint.middle) if tube is not None]
-        return cls(max(float(tube.strain_per_curvature.max()) for tube in tubes), joint.closure_curvature)
+        largest = max(float(tube.strain_per_curvature.max()) for tube in tubes)
+        return cls(largest, joint.closure_curvature, joint.softening)
 
 
 def softens(joint: Joint, acting: Iterable[str]) -> bool:
@@ -62,10 +70,15 @@ def largest_curvature(pull: Callable[[FloatArray], Pulled], webs: Webs, checks: 
     high = np.atleast_1d(np.asarray(webs.closure_curvature, dtype=float)).copy()
     if checks.max_web_strain is not None:
         high = np.minimum(high, checks.max_web_strain / webs.strain_per_curvature)
-    low = np.where(tendon_holds(pull(high), checks), high, 0.0)
+
+    def holding(curvature: FloatArray) -> Mask:
+        within = checks.max_web_strain is None or webs.strain(curvature) <= checks.max_web_strain * _ROUNDED
+        return tendon_holds(pull(curvature), checks) & within
+
+    low = np.where(holding(high), high, 0.0)
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
-        holds = tendon_holds(pull(middle), checks)
+        holds = holding(middle)
         low, high = np.where(holds, middle, low), np.where(holds, high, middle)
     return low
 
@@ -101,7 +114,7 @@ def web_limits(curvature: FloatArray, webs: Webs, checks: Checks | None, *, clos
     Args:
         closes: whether the model itself stops at closed notches, so that closing is no limit.
     """
-    strain = curvature * webs.strain_per_curvature
+    strain = webs.strain(curvature)
     largest = float(np.max(strain, initial=0.0))
     closing = float(np.min(webs.closure_curvature))
     found = [

@@ -171,7 +171,7 @@ def _passed(
     """Return a note for each known limit that a row passes, with the least bend that does."""
     webs, bend = Webs.of(joint), solution.curvature * length
     pulled = Pulled(solution.stroke, solution.tendon_strain, solution.tension)
-    strain = solution.curvature * webs.strain_per_curvature
+    strain = webs.strain(solution.curvature)
     passed = [
         *web_limits(solution.curvature, webs, checks, closes="notch_closure" in acting),
         *(tendon_limits(pulled, checks) if joint.tendon is not None else []),

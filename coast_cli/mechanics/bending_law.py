@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from coast_cli.mechanics.tubes import Tubes
 
 # Nodes past the first, and layers: straight lines between them are within 2e-4 of the law; of many sections within 2e-3.
-_FINE, _COARSE, _MANY = (96, LAYERS), (40, 16), 64
+_FINE, _COARSE, _MANY = (96, LAYERS), (40, 24), 64
 _BEYOND = 0.02  # strain past the end of the plateau to which a table reaches; further on it is straight
 
 
@@ -60,6 +60,12 @@ class BendingLaw:
         """Return the largest strain that any strip reaches at a mean curvature (1/m), shape (m, k)."""
         return interpolated(np.abs(curvature), self.curvature, self.strain)
 
+    def strain_rise(self, curvature: FloatArray) -> FloatArray:
+        """Return that strain over what it would be if the tube were linear, shape (m, k)."""
+        linear = self.strain[:, 1:2] / self.curvature[:, 1:2] * np.abs(curvature)
+        past = np.abs(curvature) > self.curvature[:, 1:2]
+        return np.where(past, self.strain_at(curvature) / np.where(past, linear, 1.0), 1.0)
+
 
 @dataclass(frozen=True)
 class Softening:
@@ -75,11 +81,16 @@ class Softening:
         """Return the slope of ``carried``: 1 below the plateau."""
         return self._sum(curvature, np.ones_like(curvature), lambda law, rows: law.slope(rows) - 1.0)
 
-    def strain(self, curvature: FloatArray) -> FloatArray:
-        """Return the largest strain in any strip at a curvature (1/m)."""
-        rows = _rows(curvature, len(self.parts[0][0]))
-        largest: FloatArray = np.max([law.strain_at(rows) for _, law in self.parts], axis=0)
-        return largest.reshape(_shape(curvature, rows))
+    def strain_rise(self, curvature: FloatArray) -> FloatArray:
+        """Return the largest strain in a strip over that of a linear one at the same curvature (1/m): 1 below the plateau.
+
+        Past it the neutral axis moves, and the strips take a larger part of the bend from the rings.
+        """
+        if not self.parts:
+            return np.ones_like(curvature)
+        rows = np.abs(_rows(curvature, len(self.parts[0][0])))
+        rises = [law.strain_rise(rows) for _, law in self.parts]
+        return np.asarray(np.max(rises, axis=0).reshape(_shape(curvature, rows)))
 
     def _sum(
         self, curvature: FloatArray, linear: FloatArray, change: Callable[[BendingLaw, FloatArray], FloatArray]
