@@ -14,7 +14,12 @@ import numpy as np
 from coast_cli.recordings.branches import difference_noise
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
     from numpy.typing import NDArray
+
+    from coast_cli.recordings.model import JointRun
+    from coast_cli.recordings.swing import Swing
 
     Booleans = NDArray[np.bool_]
     Floats = NDArray[np.float64]
@@ -22,9 +27,17 @@ if TYPE_CHECKING:
 CHANCE_OF_A_REPEAT = 0.05  # above it rounding makes neighbours equal often enough
 MORE_THAN_CHANCE = 3.0
 FEWEST_REPEATS = 3
+LIKE_OTHERS, MOSTLY = 0.3, 0.6  # of the usual step; of the repeats
 CATCH_UP = 2.5  # usual steps: what a frame that stood makes up for when it moves again
 FEWEST_CLIPPED = 5
 CLIPPED_OF_NEXT = 4.0  # samples on the last level, to those a step below it
+NOISY_DRIVE = 1e-3  # of its travel
+AGAINST = 0.05  # of the steps of a moving drive, that go back
+FOLLOWS = 0.1  # correlation of drive and response below which nothing follows
+ROUGH = 1e-4  # of its range: a commanded stroke is smoother
+ROUGHER = 5.0  # times: a camera is hardly that much smoother than a drive
+AHEAD = 0.03  # of the range: by more the loop runs the wrong way round
+MOST_NAMED = 3  # runs in one sentence
 
 
 def quantum_of(values: Floats) -> float:
@@ -46,18 +59,16 @@ def frozen_rows(response: Floats, drive: Floats | None = None) -> Booleans:
 
     Args:
         response: [n] or [n, k]; a row repeats where all its values do. NaN repeats nothing.
-        drive: [n]; where it stays, a response may stay too. None where it always moves.
+        drive: [n]; where it stays, a rounded response may stay too. None where it always moves.
 
-    Where rounding makes neighbours equal anyway, only rows count after which the response makes up for what it missed:
-    a device that rests in its play moves on in small steps, a frozen one jumps.
+    Noise makes each frame another, also in a hold. Where rounding hides it, only rows count after which the response
+    makes up for what it missed: a device that rests in its play moves on in small steps, a frozen one jumps.
     """
     rows = response[:, None] if response.ndim == 1 else response
     frozen = np.zeros(len(rows), dtype=bool)
     if len(rows) < 8:
         return frozen
     same = np.append(False, (rows[1:] == rows[:-1]).all(axis=1))
-    if drive is not None:
-        same[1:] &= np.diff(drive) != 0.0
     count = int(same.sum())
     if count < FEWEST_REPEATS:
         return frozen
@@ -66,9 +77,21 @@ def frozen_rows(response: Floats, drive: Floats | None = None) -> Booleans:
     for column in moved.T:
         noise, step = difference_noise(column), quantum_of(column)
         by_chance *= min(0.5 * step / (np.sqrt(np.pi) * noise), 1.0) if noise > 1e-9 * float(np.ptp(column)) else 1.0
-    if by_chance < CHANCE_OF_A_REPEAT:
+    if by_chance < CHANCE_OF_A_REPEAT and _goes_on(rows, same):
         return same if count > MORE_THAN_CHANCE * (by_chance * len(rows) + 1.0) else frozen
+    if drive is not None:
+        same[1:] &= np.diff(drive) != 0.0
     return _made_up_for(rows, same)
+
+
+def _goes_on(rows: Floats, same: Booleans) -> bool:
+    """Whether steps after repeats are like others: a device that rests, without noise, goes on in small ones."""
+    step = np.abs(np.diff(rows, axis=0)).max(axis=1)
+    ends = same[:-1] & ~same[1:]
+    after, usual = step[ends & np.isfinite(step)], step[~same[1:] & ~same[:-1] & np.isfinite(step)]
+    if not len(after) or not len(usual):
+        return False
+    return bool((after > LIKE_OTHERS * np.median(usual)).mean() > MOSTLY)
 
 
 def _made_up_for(rows: Floats, same: Booleans) -> Booleans:
@@ -116,15 +139,158 @@ def clipped_rows(values: Floats, drive: Floats) -> Booleans:
     return clipped
 
 
-@dataclass(frozen=True)
-class Swing:
-    """A disturbance that swings with a period of its own.
+@dataclass(frozen=True, eq=False)
+class Faults:
+    """What is wrong with one run; nothing of it is left out for it.
 
     Attributes:
-        period: s. amplitude: of the response, in its unit.
-        share: of what the drive does not explain, how much swings.
+        run: its name. samples: how many it has.
+        missing: samples without a whole response.
+        frozen: rows that repeat the frame before, [n], though the clock or the drive goes on.
+        duplicated: rows that repeat the row before in everything, clock and drive too, [n].
+        clipped: rows at which a response stands where its view ends, [n].
+        same_time: samples whose clock stands.
+        drive_noise: noise of the drive, as a share of its travel, where it goes back and forth; else 0.
+        is_still: whether the drive stays.
+        is_deaf: whether the response does not follow the drive.
+        leads: whether the response runs before the drive, as it does where the two are exchanged.
+        swing: what swings with a period of its own, or None.
     """
 
-    period: float
-    amplitude: float
-    share: float
+    run: str
+    samples: int
+    missing: int
+    frozen: Booleans
+    duplicated: Booleans
+    clipped: Booleans
+    same_time: int
+    drive_noise: float
+    is_still: bool
+    is_deaf: bool
+    leads: bool
+    swing: Swing | None
+
+    @property
+    def useless(self) -> Booleans:
+        """Rows that hold no news of the response, [n]."""
+        return self.frozen | self.duplicated | self.clipped
+
+
+def faults_of(run: JointRun) -> Faults:
+    """Return what is wrong with a run."""
+    from coast_cli.recordings.swing import swing_of
+
+    repeated = frozen_rows(run.response, run.drive)
+    others = [one for one in (run.time, run.drive, run.tension) if one is not None]
+    duplicated = repeated & np.append(False, np.all([np.diff(one) == 0.0 for one in others], axis=0))
+    clipped: Booleans = np.any([clipped_rows(column, run.drive) for column in run.response.T], axis=0)
+    is_still = not run.branches.moves
+    return Faults(
+        run=run.name,
+        samples=len(run),
+        missing=int((~run.valid).sum()),
+        frozen=repeated & ~duplicated & ~clipped,
+        duplicated=duplicated,
+        clipped=clipped,
+        same_time=0 if run.time is None else int((np.diff(run.time) == 0.0).sum()),
+        drive_noise=0.0 if is_still else _drive_noise(run),
+        is_still=is_still,
+        is_deaf=not is_still and _is_deaf(run),
+        leads=not is_still and _leads(run),
+        swing=None if is_still else swing_of(run, ~(repeated | clipped)),
+    )
+
+
+def _drive_noise(run: JointRun) -> float:
+    step = np.diff(run.drive)
+    moving = run.direction[1:] != 0
+    back = float((step[moving] * run.direction[1:][moving] < 0.0).mean()) if moving.any() else 0.0
+    share = run.branches.drive_noise / float(np.ptp(run.drive))
+    return share if share > NOISY_DRIVE and back > AGAINST else 0.0
+
+
+def _is_deaf(run: JointRun) -> bool:
+    response = run.response[run.valid].sum(axis=1)
+    drive = run.drive[run.valid]
+    if len(drive) < 8 or np.ptp(response) == 0.0 or np.ptp(drive) == 0.0:
+        return len(drive) >= 8
+    return bool(abs(np.corrcoef(drive, response)[0, 1]) < FOLLOWS)
+
+
+def _leads(run: JointRun) -> bool:
+    """Whether a stroke is rougher than the response, or rough and behind it: then the two may be exchanged."""
+    valid = run.valid
+    if run.stroke is None or valid.sum() < 4 * FEWEST_CLIPPED:
+        return False
+    drive, response = run.drive[valid], run.response[valid].sum(axis=1)
+    if np.ptp(response) == 0.0 or np.ptp(drive) == 0.0:
+        return False
+    rough, smooth = (difference_noise(values) / float(np.ptp(values)) for values in (drive, response))
+    if rough < ROUGH:
+        return False
+    return rough > ROUGHER * smooth or (rough > smooth and _ahead(run, drive, response) > AHEAD)
+
+
+def _ahead(run: JointRun, drive: Floats, response: Floats) -> float:
+    """Return by how much the response is further on load than on release, as a share of its range; below 0 it waits."""
+    load, release = (run.direction[run.valid] == sign for sign in (1, -1))
+    if min(load.sum(), release.sum()) < FEWEST_CLIPPED:
+        return 0.0
+    low = max(float(drive[part].min()) for part in (load, release))
+    high = min(float(drive[part].max()) for part in (load, release))
+    level = np.linspace(low, high, 12)[1:-1]
+    going, coming = (np.interp(level, *_by_drive(drive[part], response[part])) for part in (load, release))
+    follows = float(np.sign(np.cov(drive, response)[0, 1]))
+    return float(np.median(follows * (going - coming))) / float(np.ptp(response))
+
+
+def _by_drive(drive: Floats, response: Floats) -> tuple[Floats, Floats]:
+    order = np.argsort(drive, kind="stable")
+    return drive[order], response[order]
+
+
+def fault_notes(runs: Sequence[JointRun]) -> tuple[str, ...]:
+    """Return what is wrong with runs, a sentence for each kind of fault, with the share of the samples."""
+    found = [(run, faults_of(run)) for run in runs]
+    shares: tuple[tuple[str, Callable[[Faults], int], str], ...] = (
+        ("responses are missing", lambda one: one.missing, "they are taken for dropped frames"),
+        ("time stamps repeat", lambda one: one.same_time, "what depends on rate is uncertain there"),
+        ("rows are duplicates of the row before", lambda one: int(one.duplicated.sum()), "the noise counts them once"),
+        ("frames repeat the frame before", lambda one: int(one.frozen.sum()), "the noise leaves them out"),
+        ("responses stand where their view ends", lambda one: int(one.clipped.sum()), "the noise leaves them out"),
+    )
+    said = []
+    for what, count, then in shares:
+        named = [f"{_share(count(one), one.samples)} in run {one.run}" for _, one in found if count(one)]
+        if named:
+            said.append(f"{what}: {_listed(named)}; {then}.")
+    noisy = [f"{100 * one.drive_noise:.2g} % of its travel in run {one.run}" for _, one in found if one.drive_noise]
+    if noisy:
+        said.append(f"the drive is noisy: {_listed(noisy)}; small reversals are not told from it.")
+    flags: tuple[tuple[str, Callable[[Faults], bool]], ...] = (
+        ("the drive never moves in run {}: only creep, drift and noise can show.", lambda one: one.is_still),
+        ("the response does not follow the drive in run {}.", lambda one: one.is_deaf),
+        ("the drive is rougher than the response in run {}: are the two exchanged?", lambda one: one.leads),
+    )
+    for sentence, is_so in flags:
+        named = [one.run for _, one in found if is_so(one)]
+        if named:
+            said.append(sentence.format(_listed(named)))
+    swings = [
+        f"{one.swing.period:.3g} s in run {one.run} ({100 * one.swing.share:.0f} % of what the drive leaves)"
+        for _, one in found
+        if one.swing is not None
+    ]
+    if swings:
+        said.append(f"the response swings with a period of its own: {_listed(swings)}.")
+    return tuple(said)
+
+
+def _share(count: int, total: int) -> str:
+    share = 100.0 * count / total
+    return f"{share:.0f} %" if share >= 1.0 else f"{share:.1g} %"
+
+
+def _listed(named: Sequence[str]) -> str:
+    more = len(named) - MOST_NAMED
+    return ", ".join(named[:MOST_NAMED]) + (f" and {more} more" if more > 0 else "")

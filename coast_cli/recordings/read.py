@@ -11,6 +11,7 @@ import numpy as np
 from coast_cli.errors import BadInput
 from coast_cli.recordings.columns import RESPONSES, Layout, find_layout
 from coast_cli.recordings.device import SHORTEST, Defaults, TextColumn, defaults_of, pair_names, shape_tubes
+from coast_cli.recordings.faults import fault_notes
 from coast_cli.recordings.mapped import read_mapped
 from coast_cli.recordings.mapping import ColumnMapping, as_mapping
 from coast_cli.recordings.model import JointRun, Natural, Recording, Recordings, ResponseKind, ShapeRun
@@ -80,6 +81,7 @@ def read_recordings(
         notes.append(f"not named by the mapping, and not used: {_listed(ignored)}.")
     notes.extend(_short_lengths(joint, defaults))
     runs_joint, runs_shape = _named_apart(joint, notes), _named_apart(shape, notes)
+    notes.extend(fault_notes(runs_joint))
     return Recordings(
         joint=Recording("joint", runs_joint, tuple(sources), tuple(notes)) if joint else None,
         shape=Recording("shape", runs_shape, tuple(sources), tuple(notes)) if shape else None,
@@ -218,6 +220,10 @@ def _check_positive_length(table: Table, layout: Layout, length: Floats) -> None
 def _check_joint_run(table: Table, layout: Layout, run: JointRun, start: int, defaults: Defaults) -> None:
     if len(run) < 2:
         raise table.error(f"run {run.name!r} has one sample", row=start, allowed="at least two")
+    for notch, values in zip(layout.notches, run.response.T, strict=False):
+        if np.isnan(values).all():
+            hint = "Notches count from the clamp, so that none can be left out."
+            raise table.error(f"all of it is missing in run {run.name!r}", name=notch.name, row=start, hint=hint)
     if not run.valid.any():
         raise table.error(f"every response of run {run.name!r} is missing", row=start, allowed="some that are not")
     if run.time is not None and (np.diff(run.time) < 0.0).any():

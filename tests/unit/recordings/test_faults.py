@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from coast_cli.recordings.faults import clipped_rows, frozen_rows, quantum_of
+from coast_cli.recordings.faults import clipped_rows, fault_notes, faults_of, frozen_rows, quantum_of
+from coast_cli.recordings.model import JointRun
 from coast_cli.recordings.noise import estimate_noise
 
 
@@ -88,3 +89,101 @@ def test_steps_of_rounding():
     assert quantum_of(np.round(np.random.default_rng(5).normal(size=300), 2)) == pytest.approx(0.01)
     assert quantum_of(np.random.default_rng(5).normal(size=300)) == 0.0
     assert quantum_of(np.zeros(5)) == 0.0
+
+
+def run_of(drive, response, time=None, *, stroke=True):
+    response = np.asarray(response, dtype=float)
+    rows = response[:, None] if response.ndim == 1 else response
+    count = len(drive)
+    return JointRun(
+        "a",
+        "f.csv",
+        np.arange(2, count + 2),
+        time,
+        None,
+        "MT1",
+        np.full(count, 0.03),
+        1e-3 * drive if stroke else None,
+        None if stroke else drive,
+        rows,
+        "curvature" if rows.shape[1] == 1 else "notch",
+    )
+
+
+def said(drive, response, time=None):
+    return " ".join(fault_notes([run_of(drive, response, time)]))
+
+
+def clean(rng, drive, level=0.2):
+    return 8.0 * drive + level * rng.normal(size=len(drive))
+
+
+CLOCK = 0.1 * np.arange(400)
+
+
+def test_a_clean_run_has_no_faults():
+    rng = np.random.default_rng(10)
+    for _ in range(20):
+        assert fault_notes([run_of(sweep(), clean(rng, sweep()), CLOCK)]) == ()
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_breathing_is_found_with_its_period(seed):
+    rng = np.random.default_rng(seed)
+    period = rng.uniform(0.6, 6.0)
+    values = clean(rng, sweep()) + 1.0 * np.sin(2.0 * np.pi * CLOCK / period)
+    swing = faults_of(run_of(sweep(), values, CLOCK)).swing
+    assert swing is not None
+    assert swing.period == pytest.approx(period, rel=0.03)
+    assert swing.amplitude == pytest.approx(1.0, rel=0.25)
+    assert f"{swing.period:.3g} s in run a" in said(sweep(), values, CLOCK)
+
+
+def test_what_follows_the_drive_is_no_swing():
+    rng = np.random.default_rng(11)
+    drive = sweep()
+    screw = clean(rng, drive) + 1.0 * np.sin(2.0 * np.pi * drive / 0.7)
+    assert faults_of(run_of(drive, screw, CLOCK)).swing is None
+    assert faults_of(run_of(drive, clean(rng, drive))).swing is None
+
+
+def test_duplicates_missing_and_standing_clocks_are_said_with_their_share():
+    rng = np.random.default_rng(12)
+    twice = np.sort(np.concatenate((np.arange(400), rng.choice(400, 266, replace=False))))
+    values = clean(rng, sweep())
+    text = said(sweep()[twice], values[twice], CLOCK[twice])
+    assert "rows are duplicates of the row before: 40 % in run a" in text
+    assert "time stamps repeat: 40 % in run a" in text
+    assert "frames repeat" not in text
+    values[rng.choice(400, 40, replace=False)] = np.nan
+    assert "responses are missing: 10 % in run a" in said(sweep(), values, CLOCK)
+    stood = np.floor(CLOCK / 0.3) * 0.3
+    assert "time stamps repeat: 66 % in run a" in said(sweep(), clean(rng, sweep()), stood)
+
+
+def test_drives_that_stand_shake_or_are_not_followed():
+    rng = np.random.default_rng(13)
+    still = np.full(400, 3.0)
+    assert "the drive never moves in run a" in said(still, rng.normal(size=400), CLOCK)
+    noisy = sweep() + 0.05 * rng.normal(size=400)
+    assert faults_of(run_of(noisy, clean(rng, sweep()))).drive_noise == pytest.approx(0.01, rel=0.3)
+    assert "the drive is noisy: 0.81 % of its travel in run a" in said(noisy, clean(rng, sweep()), CLOCK)
+    assert "does not follow the drive in run a" in said(sweep(), rng.normal(size=400), CLOCK)
+    assert "are the two exchanged?" in said(clean(rng, sweep(), 0.3) / 8.0, 8.0 * sweep(), CLOCK)
+    assert "exchanged" not in said(sweep(), clean(rng, sweep(), 0.3), CLOCK)
+
+
+def test_many_runs_are_one_sentence():
+    rng = np.random.default_rng(14)
+    runs = [run_of(np.full(400, 3.0), rng.normal(size=400)) for _ in range(30)]
+    notes = fault_notes(runs)
+    assert len(notes) == 1
+    assert "and 27 more" in notes[0]
+
+
+def test_rows_that_hold_no_news_can_be_asked_for():
+    rng = np.random.default_rng(15)
+    values, held = frozen(rng, clean(rng, sweep()), 0.2)
+    found = faults_of(run_of(sweep(), np.minimum(values, 30.0), CLOCK))
+    assert (found.useless == (held | (values >= 30.0))).mean() > 0.98
+    assert found.clipped.sum() == (values >= 30.0).sum()
