@@ -82,15 +82,15 @@ def _fitted(columns: Floats, values: Floats) -> Floats:
     """Return the least squares of few columns of about unit size, by the normal equations: a tenth of the time."""
     square = columns.T @ columns
     square[np.diag_indices_from(square)] *= 1.0 + 1e-9
-    factors: Floats = np.linalg.lstsq(square, columns.T @ values, rcond=None)[0]
-    return factors
+    factors = np.linalg.lstsq(square, columns.T @ values, rcond=None)[0]
+    return np.asarray(factors, dtype=np.float64)
 
 
 def _lines(time: Floats, values: Floats) -> tuple[Floats, Floats]:
     """Return frequencies (Hz) and powers of an even sampling with as many samples."""
     even = np.linspace(time[0], time[-1], len(time))
     spectrum = np.fft.rfft(np.interp(even, time, values) * np.hanning(len(time)))
-    frequency = np.fft.rfftfreq(len(time), float(even[1] - even[0])).astype(np.float64)
+    frequency: Floats = np.arange(len(spectrum)) / (len(time) * float(even[1] - even[0]))
     power: Floats = np.abs(spectrum) ** 2
     return frequency, power
 
