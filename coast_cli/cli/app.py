@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from contextlib import nullcontext, redirect_stdout
+from functools import wraps
 from importlib import import_module
 from io import StringIO
 from typing import Annotated, Any
@@ -106,13 +107,27 @@ def _app(names: list[str], *, listed: bool) -> Any:  # noqa: ANN401
     for name in names:
         module, function = COMMANDS[name].split(":")
         command = getattr(import_module(module), function)
-        full = _nothing if listed else with_common_options(kept_apart(command), prints_table=name in TABLES)
+        told = _telling(name, kept_apart(command))
+        full = _nothing if listed else with_common_options(told, prints_table=name in TABLES)
         app.command(name, short_help=_first_sentence(command), epilog=epilog(name), context_settings=_HELP)(full)
     return app
 
 
 def _nothing() -> None:
     """Stand for a command in a list."""
+
+
+def _telling(name: str, command: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a command that gives a sign of life while it takes long."""
+
+    @wraps(command)
+    def run(**given: Any) -> Any:  # noqa: ANN401
+        from coast_cli.output.progress import a_line_a_minute
+
+        with a_line_a_minute(name):
+            return command(**given)
+
+    return run
 
 
 def _first_sentence(command: Callable[..., object]) -> str:

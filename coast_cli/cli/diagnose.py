@@ -57,8 +57,8 @@ def diagnose(
     """
     from coast_cli.diagnosis.recorded import diagnose as diagnosis_of
     from coast_cli.output.diagnosis import DiagnosisAnswer, Outputs, write_diagnosis
+    from coast_cli.output.progress import waiting
     from coast_cli.output.provenance import provenance
-    from coast_cli.output.waiting import waiting
     from coast_cli.output.write import say
     from coast_cli.recordings.mapping import mapping_of
     from coast_cli.recordings.read import read_recordings

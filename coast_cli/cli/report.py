@@ -46,9 +46,9 @@ def report(
     """
     from coast_cli.output.atomic import check_suffix, write_files
     from coast_cli.output.picture import can_draw
+    from coast_cli.output.progress import waiting
     from coast_cli.output.report import NO_PICTURES, page_of
     from coast_cli.output.report_contents import Wanted, contents
-    from coast_cli.output.waiting import waiting
     from coast_cli.output.write import say
     from coast_cli.recordings.mapping import mapping_of
     from coast_cli.recordings.read import read_recordings

@@ -7,6 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from coast_cli.design.memory import BEAM_POINT, require_memory
 from coast_cli.errors import NotConverged
 from coast_cli.mechanics.beam import BeamSolution, solve_segments
 from coast_cli.mechanics.section import FloatArray
@@ -29,8 +30,10 @@ def shape_columns(
     The curvature is that just before a point (at the clamp, just after): it jumps where a notch begins and ends.
 
     Raises:
+        UsageError: more points than there is memory for.
         NotConverged: a shape was not found; the message says what to change.
     """
+    require_memory(len(tubes) * (points or 0), BEAM_POINT, "points")
     shapes = [_shape(tube, gravity, method, points) for tube in tubes]
     return {
         "tube": [tube.name for tube, (s, *_) in zip(tubes, shapes, strict=True) for _ in s],

@@ -9,6 +9,7 @@ import numpy as np
 
 from coast_cli.design.bands import WIDTH_90, Alternative
 from coast_cli.design.loading import acting_on_load, corrected_stroke
+from coast_cli.design.memory import STROKE_ROW, require_memory
 from coast_cli.design.reach import PLATEAU_STRAIN, Pulled, Webs, softens, tendon_limits, web_limits
 from coast_cli.effects.effect import Effect
 from coast_cli.errors import NotConverged, UsageError
@@ -52,10 +53,11 @@ def stroke_table(
         steps_per_mm: of the actuator's motor.
 
     Raises:
-        UsageError: a value the joint cannot take.
+        UsageError: a value the joint cannot take, or more rows than there is memory for.
         NotConverged: the inverse found no curvature.
     """
     _check(joint, bending_lengths, curvatures or strokes)
+    require_memory(len(bending_lengths) * len(curvatures or strokes), STROKE_ROW * (1 + len(alternatives)), "strokes")
     length, drive = (grid.ravel() for grid in np.meshgrid(bending_lengths, curvatures or strokes, indexing="ij"))
     acting, left_out = acting_on_load(effects)
     solution = _solve(joint, acting, length, drive, inverse=bool(strokes))

@@ -12,8 +12,8 @@ from coast_cli.design.shape import shape_columns
 from coast_cli.design.stroke import stroke_table
 from coast_cli.design.tolerance import tolerance_rows
 from coast_cli.errors import BadInput
+from coast_cli.output.progress import waiting
 from coast_cli.output.provenance import provenance
-from coast_cli.output.waiting import waiting
 from coast_cli.spec.build import Design
 from coast_cli.spec.config import Config
 
