@@ -12,7 +12,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from coast_cli.mechanics.fibres import LAYERS, Fibres, moment_curvature, ring_fibres, strip_fibres
 from coast_cli.mechanics.section import FloatArray
@@ -140,6 +140,47 @@ def bending_law(
     if depth.shape[1] == 1:
         return BendingLaw(curvature[:, 0], moment[:, 0], strain[:, 0])
     return _in_series(curvature, moment, strain, pitch * count)
+
+
+@dataclass(frozen=True, slots=True)
+class StripLaws:
+    """Bending of the cut pieces of one tube alone, without its rings: a row of tables a distinct notch.
+
+    Attributes:
+        towards, away: laws of a bend towards the notches and away from them. row: of each notch, shape (n,).
+    """
+
+    towards: BendingLaw
+    away: BendingLaw
+    row: NDArray[np.intp]
+
+    @classmethod
+    def of(cls, tube: Tubes, law: Superelastic) -> StripLaws:
+        """Return those of a table of one tube."""
+        spread = np.broadcast_to(tube.end_length, tube.depth.shape)
+        kinds, row = np.unique(np.stack((tube.depth[0], tube.cut[0], spread[0])), axis=1, return_inverse=True)
+        depth, cut, end = kinds
+        strips = strip_fibres(tube.outer_radius, tube.inner_radius, depth, tube.section)
+        stiff = np.broadcast_to(tube.youngs_modulus, depth.shape)
+
+        def way(*, towards_notch: bool) -> BendingLaw:
+            bend, moment, strain = _curve(strips, law, stiff, _FINE[0], towards_notch=towards_notch, unloading=False)
+            return BendingLaw(bend * ((cut + end) / cut)[:, None], moment, strain)
+
+        return cls(way(towards_notch=True), way(towards_notch=False), row.reshape(-1))
+
+    def softness(self, moment: FloatArray, notch: NDArray[np.intp]) -> FloatArray:
+        """Return secant over initial rigidity of cut pieces under moments (N m, positive towards the notch)."""
+        size = np.abs(moment)
+        kinds = self.row[notch]
+        found = np.ones_like(size)
+        for kind in np.unique(kinds):
+            here = kinds == kind
+            for law, way in ((self.towards, moment >= 0.0), (self.away, moment < 0.0)):
+                some = here & way & (size > law.moment[kind, 1])
+                bend = interpolated(size[some][None], law.moment[kind : kind + 1], law.curvature[kind : kind + 1])[0]
+                found[some] = size[some] / bend / law.rigidity[kind, 0]
+        return found
 
 
 def _distinct(tubes: Tubes) -> tuple[FloatArray, ...]:
