@@ -27,6 +27,12 @@ def diagnose(
     pair: RecordedPairOption = None,
     x2: BendingLengthOption = None,
     max_effects: Annotated[int, typer.Option(min=0, max=12, help="largest set of effects that is tried")] = 5,
+    without: Annotated[
+        str | None, typer.Option(metavar="ID,...", help="effects left out of the catalogue: neither named nor rivals")
+    ] = None,
+    noise: Annotated[
+        float | None, typer.Option(help="of the recording where it is known, in the unit of the response")
+    ] = None,
     seed: Annotated[int, typer.Option(min=0, help="of random numbers; it stands in the provenance")] = 0,
     format: Annotated[
         str | None, typer.Option("--format", "-f", metavar="FORMAT", help="table or json, to stdout")
@@ -56,6 +62,7 @@ def diagnose(
     Without --hold-out the runs kept back are chosen by a rule, which the answer states.
     """
     from coast_cli.diagnosis.recorded import diagnose as diagnosis_of
+    from coast_cli.diagnosis.thresholds import thresholds_digest
     from coast_cli.output.diagnosis import DiagnosisAnswer, Outputs, write_diagnosis
     from coast_cli.output.progress import waiting
     from coast_cli.output.provenance import provenance
@@ -66,12 +73,24 @@ def diagnose(
 
     outputs = Outputs(format, tuple(output or ()), save_model, plot, report)
     outputs.check()
+    concealed = [name for part in (without or "").split(",") if (name := part.strip())]
     document = load_config(config)
     read = read_recordings(recordings, document, columns=mapping_of(columns), pair=pair, bending_length_mm=x2)
     with waiting(f"diagnosing {', '.join(read.run_names[:3])}{' ...' if len(read.run_names) > 3 else ''}"):
-        found = diagnosis_of(document, read, named_hold_out=hold_out or (), most_effects=max_effects)
-    options = {"max_effects": max_effects, "hold_out": list(hold_out or ())}
-    origin = provenance(document, recordings=read.sources, options=options, seed=seed)
+        found = diagnosis_of(
+            document,
+            read,
+            named_hold_out=hold_out or (),
+            most_effects=max_effects,
+            without=concealed,
+            noise=noise,
+        )
+    options = {"max_effects": max_effects, "hold_out": list(hold_out or ()), "without": concealed, "noise": noise}
+    options = {name: value for name, value in options.items() if value not in ([], None) or name == "hold_out"}
+    origin = {
+        **provenance(document, recordings=read.sources, options=options, seed=seed),
+        "thresholds_sha256": thresholds_digest(),
+    }
     for note in read.notes:
         say(f"note: {note}")
     write_diagnosis(DiagnosisAnswer(found, found.config_used(document), read, origin, read.notes), outputs)

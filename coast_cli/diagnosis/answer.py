@@ -10,6 +10,7 @@ from coast_cli.diagnosis.locate import Region
 from coast_cli.effects.effect import Effect
 
 if TYPE_CHECKING:
+    from coast_cli.diagnosis.curves import JointCurve, ShapeCurve
     from coast_cli.diagnosis.spread import Spread
     from coast_cli.spec.config import Config
 
@@ -56,7 +57,7 @@ class Level:
 
 
 @dataclass(frozen=True, slots=True)
-class Comparison:
+class SideBySide:
     """The model as configured, with its parameters refitted, and with the effects, side by side."""
 
     unit: str
@@ -88,6 +89,7 @@ class Diagnosis:
         model_effects, model_parameters: the corrected model, for the model file.
         carried: of joint and shapes in one call, what the shapes say and what of it the joint was diagnosed with.
         model_tubes: numbers of its tubes by their keys there, one or one for each notch.
+        curves: of every run, what the refitted base and the corrected model predict; none where nothing was fitted.
         model_spread: how sure the numbers of the corrected model are; None where that is not known.
     """
 
@@ -101,7 +103,7 @@ class Diagnosis:
     attempts: tuple[str, ...] = ()
     parameters: Mapping[str, Value] = field(default_factory=dict)
     configured: Mapping[str, float] = field(default_factory=dict)
-    comparison: Comparison | None = None
+    comparison: SideBySide | None = None
     next_recording: str = ""
     notes: tuple[str, ...] = ()
     model_effects: tuple[Effect, ...] = ()
@@ -109,6 +111,7 @@ class Diagnosis:
     model_tubes: Mapping[str, float | list[float]] = field(default_factory=dict)
     carried: Carried | None = None
     model_spread: Spread | None = None
+    curves: tuple[JointCurve, ...] | tuple[ShapeCurve, ...] = ()
 
     def config_used(self, config: Config) -> Config:
         """Return the configuration that was diagnosed: as given, or corrected by what shapes taught."""

@@ -14,9 +14,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from coast_cli.diagnosis.fit import Fit, fit, rms
-from coast_cli.diagnosis.problem import Candidate, Problem, Variant
+from coast_cli.diagnosis.problem import Contender, Problem, Variant
 from coast_cli.diagnosis.thresholds import (
-    ALIKE,
+    ALIKE_NATS,
     AT_FLOOR,
     CLOSE_ENDS,
     EFFECT_NATS,
@@ -28,7 +28,7 @@ from coast_cli.diagnosis.thresholds import (
 from coast_cli.effects.effect import Effect
 from coast_cli.mechanics.section import FloatArray
 
-Key = frozenset[Variant]
+EffectsKey = frozenset[Variant]
 _GROWN_FROM = 2  # sets that are grown further
 _ALWAYS_FINISHED = 2
 _UNSEEN = 1e-12  # share of the residual under which a start changes nothing
@@ -39,7 +39,7 @@ class Hypothesis:
     """A fitted set of effects, what it is, and its score in nats."""
 
     fit: Fit
-    key: Key
+    key: EffectsKey
     score: float
 
     @property
@@ -68,7 +68,11 @@ class Contest:
         found: dict[frozenset[str], Hypothesis] = {frozenset(self.leading.ids): self.leading}
         for other in self.tried:
             ids = frozenset(other.ids)
-            if 0 < len(ids) <= len(self.leading.ids) and ids not in found and other.score > self.leading.score - ALIKE:
+            if (
+                0 < len(ids) <= len(self.leading.ids)
+                and ids not in found
+                and other.score > self.leading.score - ALIKE_NATS
+            ):
                 found[ids] = other
         return tuple(found.values())[1:]
 
@@ -85,7 +89,7 @@ def run_contest(problem: Problem, most_effects: int = 5) -> Contest:
     likelier than a whole one; which of them leads is then judged by evidence, each effect paying ``EFFECT_NATS``.
     """
     base = hypothesis(problem, fit(problem))
-    tried: dict[Key, Hypothesis] = {base.key: base}
+    tried: dict[EffectsKey, Hypothesis] = {base.key: base}
     frontier = [base]
     for size in range(1, min(most_effects, problem.most_effects()) + 1):
         grown = _by_plain_error(problem, _grow(problem, frontier, tried, first=size == 1))
@@ -153,7 +157,7 @@ def ranked(hypotheses: Iterable[Hypothesis], score: Callable[[Hypothesis], float
     return tuple(found)
 
 
-def _key(problem: Problem, effects: Sequence[Effect]) -> Key:
+def _key(problem: Problem, effects: Sequence[Effect]) -> EffectsKey:
     return frozenset(problem.variant(effect) for effect in effects)
 
 
@@ -180,13 +184,13 @@ def _occam(problem: Problem, fitted: Fit) -> float:
 
 
 def _grow(
-    problem: Problem, frontier: Sequence[Hypothesis], tried: dict[Key, Hypothesis], *, first: bool
+    problem: Problem, frontier: Sequence[Hypothesis], tried: dict[EffectsKey, Hypothesis], *, first: bool
 ) -> list[Hypothesis]:
     """Fit the sets one effect larger than those of the frontier; put them into ``tried``, return what may grow further."""
     effort, stage = problem.effort, 0 if first else 1
-    started: dict[Key, tuple[float, Fit, bool]] = {}
+    started: dict[EffectsKey, tuple[float, Fit, bool]] = {}
     for parent in frontier:
-        fresh: dict[Key, tuple[float, Fit, bool]] = {}
+        fresh: dict[EffectsKey, tuple[float, Fit, bool]] = {}
         promising = screen(problem, parent.fit, problem.candidates(parent.fit.effects, alone=first))
         expected = [one for one in promising[effort.fitted[stage] :] if one.candidate.expected and parent.ids]
         for one in (*promising[: effort.fitted[stage]], *expected):
@@ -211,7 +215,7 @@ def _grow(
     return grown
 
 
-def _exchange(problem: Problem, tried: dict[Key, Hypothesis]) -> None:
+def _exchange(problem: Problem, tried: dict[EffectsKey, Hypothesis]) -> None:
     """Try each effect of the leading set against its rivals: what was taken first, alone, may have stood for two."""
     leading = _leading(problem, next(iter(tried.values())), list(tried.values()))
     for effect in leading.fit.effects if len(leading.ids) > 1 else ():
@@ -222,7 +226,7 @@ def _exchange(problem: Problem, tried: dict[Key, Hypothesis]) -> None:
         _grow(problem, [tried[key]], tried, first=False)
 
 
-def _tighten(problem: Problem, tried: dict[Key, Hypothesis]) -> None:
+def _tighten(problem: Problem, tried: dict[EffectsKey, Hypothesis]) -> None:
     """Fit the leading set, and all that could take its place or tell the same, until their figures are settled."""
     base = tried[frozenset()]
     done = {base.key}
@@ -258,15 +262,15 @@ def _by_plain_error(problem: Problem, hypotheses: Iterable[Hypothesis]) -> list[
 
 
 @dataclass(frozen=True, slots=True)
-class Screened:
+class Promising:
     """A candidate with the starts from which a first step would take most away, moved to where it would take them."""
 
-    candidate: Candidate
+    candidate: Contender
     starts: tuple[Effect, ...]
     gain: float
 
 
-def screen(problem: Problem, parent: Fit, candidates: Sequence[Candidate]) -> list[Screened]:
+def screen(problem: Problem, parent: Fit, candidates: Sequence[Contender]) -> list[Promising]:
     """Return candidates best first, by how much a first step of one of their starts would take away, nats.
 
     All starts are predicted in one batch. A step may be any multiple of a start; the parameters that are there already
@@ -303,7 +307,7 @@ def screen(problem: Problem, parent: Fit, candidates: Sequence[Candidate]) -> li
             effect for gain, effect in steps[: problem.effort.starts] if gain >= problem.effort.second * steps[0][0]
         ]
         if kept and steps[0][0] >= problem.effort.least_gain:
-            found.append(Screened(candidate, tuple(kept), steps[0][0]))
+            found.append(Promising(candidate, tuple(kept), steps[0][0]))
     found.sort(key=lambda one: -one.gain)
     least = problem.effort.least_share * found[0].gain if found else 0.0
     return [one for one in found if one.gain >= least or one.candidate.expected]

@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 
 from coast_cli.diagnosis.least_squares import Descent, descend
-from coast_cli.diagnosis.noise_model import Evidence
+from coast_cli.diagnosis.noise_model import NoiseEvidence
 from coast_cli.diagnosis.problem import Problem
 from coast_cli.diagnosis.space import Booleans, ParameterSpace
 from coast_cli.effects.effect import Effect
@@ -45,7 +45,7 @@ class Fit:
     effects: tuple[Effect, ...]
     coordinates: FloatArray
     covariance: FloatArray
-    evidences: tuple[Evidence, ...]
+    evidences: tuple[NoiseEvidence, ...]
     residuals: tuple[FloatArray, ...]
     jacobian: FloatArray
     log_likelihood: float
@@ -68,8 +68,8 @@ class Fit:
         return self.residuals[0]
 
     @property
-    def evidence(self) -> Evidence:
-        """Evidence of the response's residual."""
+    def evidence(self) -> NoiseEvidence:
+        """NoiseEvidence of the response's residual."""
         return self.evidences[0]
 
     @property
@@ -135,7 +135,7 @@ class _Weighing:
         self.levels = [max(c.level, c.loosened * rms(start[c.rows]), _SMALLEST_LEVEL) for c in channels]
         self.colours = [0 for _ in channels]
 
-    def coloured(self, evidences: Sequence[Evidence]) -> None:
+    def coloured(self, evidences: Sequence[NoiseEvidence]) -> None:
         """Weigh by what a residual is as noise."""
         self.levels = [max(evidence.level, _SMALLEST_LEVEL) for evidence in evidences]
         self.colours = [evidence.colour for evidence in evidences]
@@ -215,5 +215,5 @@ def _finished(weighing: _Weighing, found: Descent) -> Fit:
     )
 
 
-def _evidences(problem: Problem, residuals: Sequence[FloatArray]) -> tuple[Evidence, ...]:
+def _evidences(problem: Problem, residuals: Sequence[FloatArray]) -> tuple[NoiseEvidence, ...]:
     return tuple(channel.bank.evidence(residual) for channel, residual in zip(problem.channels, residuals, strict=True))

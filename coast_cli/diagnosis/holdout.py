@@ -12,7 +12,7 @@ from coast_cli.diagnosis.space import Booleans
 from coast_cli.errors import BadInput, nearest
 
 
-class Run(Protocol):
+class NamedRun(Protocol):
     """A run by its name and number of rows."""
 
     @property
@@ -57,17 +57,16 @@ def check_named(names: Sequence[str], named: Sequence[str]) -> None:
     for name in named:
         if name not in names:
             raise BadInput(
-                "there is no such run",
-                key="--hold-out",
+                "there is no such run to hold out",
                 found=name,
                 allowed=", ".join(names),
                 hint=nearest(name, names),
             )
     if named and len(set(named)) == len(names):
-        raise BadInput("every run is held out, so none is left to fit", key="--hold-out", allowed="some of the runs")
+        raise BadInput("every run is held out, so none is left to fit", allowed="some of the runs")
 
 
-def whole_runs(runs: Sequence[Run], names: Sequence[str], rule: str, *, chosen: bool) -> HoldOut:
+def whole_runs(runs: Sequence[NamedRun], names: Sequence[str], rule: str, *, chosen: bool) -> HoldOut:
     """Return whole runs as kept back, by name."""
     rows = tuple(np.full(len(run), run.name in names) for run in runs)
     return HoldOut(rows, tuple(run.name for run in runs if run.name in names), rule, chosen)

@@ -15,8 +15,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from coast_cli.diagnosis.answer import Comparison, Diagnosis, Errors, Level, Named, Value, Verdict
+from coast_cli.diagnosis.answer import Diagnosis, Errors, Level, Named, SideBySide, Value, Verdict
 from coast_cli.diagnosis.contest import Contest, Hypothesis, carried_start
+from coast_cli.diagnosis.curves import JointCurve, ShapeCurve
 from coast_cli.diagnosis.fit import Fit, fit, rms
 from coast_cli.diagnosis.holdout import HoldOut
 from coast_cli.diagnosis.locate import Region
@@ -96,6 +97,10 @@ class Case(ABC):
     @abstractmethod
     def notes(self, ruling: Ruling, final: Fit) -> tuple[str, ...]:
         """Return what limits the answer."""
+
+    @abstractmethod
+    def curves(self, final: Fit) -> tuple[JointCurve, ...] | tuple[ShapeCurve, ...]:
+        """Return what the refitted base and the corrected model predict of every run."""
 
     @abstractmethod
     def in_unit(self, value: float) -> float:
@@ -202,7 +207,7 @@ class Case(ABC):
         whole = self.problem.only([np.ones(len(rows), bool) for rows in self.kept_back.rows])
         return fit(whole, fitted.effects, carried_start(problem=self.problem, fitted=fitted, whole=whole), steps=6)
 
-    def comparison_of(self, fitted: Fit) -> Comparison:
+    def comparison_of(self, fitted: Fit) -> SideBySide:
         """Return errors as configured, refitted, and with a fit's effects, side by side."""
         levels = []
         for one in (None, self.contest.base.fit, fitted):
@@ -211,7 +216,7 @@ class Case(ABC):
             train = self.errors(coordinates, effects, self.problem.train)
             out = self.errors(coordinates, effects, self.kept_back.rows) if self.kept_back.any else None
             levels.append((Level(train.response, None if out is None else out.response), (out or train).tip_mm))
-        return Comparison(
+        return SideBySide(
             unit=self.unit,
             held_out_runs=self.kept_back.runs,
             rule=self.kept_back.rule,
@@ -223,7 +228,7 @@ class Case(ABC):
         )
 
     @cached_property
-    def comparison(self) -> Comparison:
+    def comparison(self) -> SideBySide:
         """Errors of the leading set beside those without it."""
         return self.comparison_of(self.leading.fit)
 
@@ -288,13 +293,14 @@ class Case(ABC):
             model_parameters=self.problem.values(final.coordinates),
             model_tubes=self.model_tubes(final),
             model_spread=self.model_spread(final),
+            curves=self.curves(final),
         )
 
 
-Rule = Callable[[Any], Case | Ruling | None]
+VerdictRule = Callable[[Any], Case | Ruling | None]
 
 
-def judge(case: Case, rules: Sequence[Rule]) -> tuple[Case, Ruling]:
+def judge(case: Case, rules: Sequence[VerdictRule]) -> tuple[Case, Ruling]:
     """Return the case as the rules leave it, and the ruling of the first that gives one; the last one always does."""
     for _ in range(_MOST_CHANGES):
         for rule in rules:

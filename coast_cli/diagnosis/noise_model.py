@@ -19,12 +19,12 @@ from coast_cli.mechanics.section import FloatArray
 Integers = NDArray[np.int64]
 
 # (memory of the AR(1) part, share of white noise in the variance)
-COLOURS: tuple[tuple[float, float], ...] = (
+NOISE_COLOURS: tuple[tuple[float, float], ...] = (
     (0.0, 1.0),
     *((memory, white) for memory in (0.3, 0.5, 0.7, 0.8, 0.87, 0.92, 0.96, 0.99) for white in (0.0, 0.3, 0.6, 0.85)),
 )
 # (length over which a smooth curve bends, in samples, white share): the null's rival in ``structure``
-SMOOTH: tuple[tuple[float, float], ...] = tuple(
+SMOOTH_COLOURS: tuple[tuple[float, float], ...] = tuple(
     (length, white) for length in (4.0, 8.0, 16.0, 32.0) for white in (0.9, 0.7, 0.4, 0.15, 0.05, 0.015, 0.003)
 )
 Kernel = Literal["rough", "smooth"]
@@ -32,8 +32,8 @@ _CHUNK = 96
 
 
 @dataclass(frozen=True, slots=True)
-class Evidence:
-    """The best colour of a residual: log likelihood, level (standard deviation), and index into ``COLOURS``."""
+class NoiseEvidence:
+    """The best colour of a residual: log likelihood, level (standard deviation), and index into ``NOISE_COLOURS``."""
 
     log_likelihood: float
     level: float
@@ -42,7 +42,7 @@ class Evidence:
     @property
     def memory(self) -> float:
         """Lag-one correlation of the noise."""
-        memory, white = COLOURS[self.colour]
+        memory, white = NOISE_COLOURS[self.colour]
         return memory * (1.0 - white)
 
 
@@ -52,7 +52,7 @@ class NoiseBank:
     Args:
         sequences: for each sequence the row numbers of its samples (gaps are dropped frames), each (n_i,); residual
             vectors are these sequences one after the other.
-        kernel: "rough" for AR(1) noise (``COLOURS``), "smooth" for curves that noise does not draw (``SMOOTH``).
+        kernel: "rough" for AR(1) noise (``NOISE_COLOURS``), "smooth" for curves that noise does not draw (``SMOOTH_COLOURS``).
     """
 
     def __init__(self, sequences: Sequence[Integers], kernel: Kernel = "rough") -> None:
@@ -75,17 +75,17 @@ class NoiseBank:
             log_determinant += len(places) * chunk_log_determinant
         self._log_determinant = log_determinant
 
-    def evidence(self, residual: FloatArray) -> Evidence:
+    def evidence(self, residual: FloatArray) -> NoiseEvidence:
         """Return the likelihood of a residual (n,) with level and colour fitted."""
         if self.size == 0:
-            return Evidence(0.0, 0.0, 0)
+            return NoiseEvidence(0.0, 0.0, 0)
         quadratic = np.zeros(len(_colours(self._kernel)))
         for places, inverse in self._chunks:
             quadratic += np.sum((inverse @ residual[places].T) ** 2, axis=(1, 2))
         variance = np.maximum(quadratic / self.size, 1e-300)
         log_likelihood = -0.5 * self.size * (np.log(2.0 * np.pi * variance) + 1.0) - 0.5 * self._log_determinant
         best = int(np.argmax(log_likelihood))
-        return Evidence(float(log_likelihood[best]), float(np.sqrt(variance[best])), best)
+        return NoiseEvidence(float(log_likelihood[best]), float(np.sqrt(variance[best])), best)
 
     def white_share(self, colour: int) -> float:
         """Return the share of white noise in the variance of a colour."""
@@ -105,7 +105,7 @@ _CACHE: dict[tuple[bytes, Kernel], tuple[FloatArray, FloatArray]] = {}
 
 
 def _colours(kernel: Kernel) -> tuple[tuple[float, float], ...]:
-    return COLOURS if kernel == "rough" else SMOOTH
+    return NOISE_COLOURS if kernel == "rough" else SMOOTH_COLOURS
 
 
 def _factors(key: bytes, kernel: Kernel) -> tuple[FloatArray, FloatArray]:

@@ -37,7 +37,7 @@ class Channel:
 
 
 @dataclass(frozen=True, slots=True)
-class Candidate:
+class Contender:
     """An effect that may be there, of one variant's kind.
 
     Attributes:
@@ -104,7 +104,7 @@ class Problem(Protocol):
     def residuals(self, points: Sequence[Point]) -> list[FloatArray]:
         """Return the residual (n,) at each point, all in one batch."""
 
-    def candidates(self, parent: Sequence[Any], *, alone: bool) -> list[Candidate]:
+    def candidates(self, parent: Sequence[Any], *, alone: bool) -> list[Contender]:
         """Return what may be added to a set; ``alone`` asks also for what competes by itself."""
 
     def ordered(self, effects: Sequence[Any]) -> tuple[Any, ...]:

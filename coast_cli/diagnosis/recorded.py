@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from coast_cli.diagnosis.asked import Asked
 from coast_cli.errors import BadInput, nearest
 
 if TYPE_CHECKING:
@@ -14,14 +15,27 @@ if TYPE_CHECKING:
 
 
 def diagnose(
-    config: Config, recordings: Recordings, *, named_hold_out: Sequence[str] = (), most_effects: int = 5
+    config: Config,
+    recordings: Recordings,
+    *,
+    named_hold_out: Sequence[str] = (),
+    most_effects: int = 5,
+    without: Sequence[str] = (),
+    noise: float | None = None,
 ) -> Diagnosis:
     """Return the diagnosis of a call's recordings.
 
+    Args:
+        named_hold_out: runs that no fit may see. most_effects: largest set that is tried.
+        without: ids of effects that are neither named nor rivals. noise: where it is known, in the response's unit.
+
     Raises:
-        BadInput: joint runs of several kinds in one call, or a run to hold out does not exist.
+        BadInput: joint runs of several kinds in one call, a run to hold out or an effect that does not exist.
+        UsageError: a noise that is none.
     """
-    _check_names(recordings, named_hold_out)
+    _check_runs(recordings, named_hold_out)
+    _check_effects(without)
+    asked = Asked(tuple(named_hold_out), most_effects, tuple(without), _noise(recordings, noise))
     if recordings.joint is not None:
         from coast_cli.diagnosis.joint import diagnose_joint
 
@@ -30,24 +44,41 @@ def diagnose(
         if recordings.shape is not None:
             from coast_cli.diagnosis.together import diagnose_together
 
-            return diagnose_together(config, recordings, named_hold_out=named_hold_out, most_effects=most_effects)
-        return diagnose_joint(config, recordings.joint.runs, named_hold_out=named_hold_out, most_effects=most_effects)
+            return diagnose_together(config, recordings, asked)
+        return diagnose_joint(config, recordings.joint.runs, **asked.options)
     if recordings.shape is not None:
         from coast_cli.diagnosis.shapes import diagnose_shapes
 
-        found: Diagnosis = diagnose_shapes(
-            config, recordings.shape.runs, named_hold_out=named_hold_out, most_effects=most_effects
-        )
-        return found
+        return diagnose_shapes(config, recordings.shape.runs, **asked.options)
     raise BadInput("no recording given", allowed="one or more CSV files")
 
 
-def _check_names(recordings: Recordings, named: Sequence[str]) -> None:
+def _noise(recordings: Recordings, noise: float | None) -> float | None:
+    """Return a known noise in SI; of shapes alone it is given in mm."""
+    from coast_cli.recordings.summary import known_noise
+    from coast_cli.units import MILLIMETRE
+
+    if noise is not None and recordings.joint is None and 0.0 < noise < float("inf"):
+        return noise * MILLIMETRE
+    return known_noise(recordings, noise)
+
+
+def _check_effects(ids: Sequence[str]) -> None:
+    from coast_cli.effects.catalogue import CATALOGUE
+    from coast_cli.effects.shapes.catalogue import SHAPE_CATALOGUE
+
+    known = sorted({*CATALOGUE, *SHAPE_CATALOGUE})
+    for identifier in ids:
+        if identifier not in known:
+            hint = nearest(identifier, known) or None
+            raise BadInput("there is no such effect to leave out", found=identifier, hint=hint)
+
+
+def _check_runs(recordings: Recordings, named: Sequence[str]) -> None:
     for name in named:
         if name not in recordings.run_names:
             raise BadInput(
-                "there is no such run",
-                key="--hold-out",
+                "there is no such run to hold out",
                 found=name,
                 allowed=", ".join(recordings.run_names),
                 hint=nearest(name, recordings.run_names) or None,

@@ -1,7 +1,7 @@
 """Every number that can change a verdict, in one place: value, unit, what it means and how it was set.
 
 A threshold is a float that knows the rest. Numbers that only make a search faster stand where they are used. None is set to
-the misfit of one rig. ``digest`` stands in the provenance of every diagnosis, so that answers can be told apart.
+the misfit of one rig. ``thresholds_digest`` stands in the provenance of every diagnosis, so that answers can be told apart.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ SMALLEST = Threshold(
     0.35, "noise levels", "RMS change below which an effect is not named: every record has that", _PILOT
 )
 SMALLEST_PART = Threshold(0.1, "of the base model's error", "change of a shape below which nothing is named", _PILOT)
-ALIKE = Threshold(4.0, "nats", "behind the leading set within which another one tells the same", _PILOT)
+ALIKE_NATS = Threshold(4.0, "nats", "behind the leading set within which another one tells the same", _PILOT)
 TIE = Threshold(0.05, "nats", "within which scores are equal, and fewer parameters go first", _REASON)
 WORTH_GROWING = Threshold(4.0, "nats", "of plain error that one more effect must take for another to be tried", _PILOT)
 QUIET = Threshold(1.9, "noise levels", "up to which a smooth gain may be the colour of the noise", _CLEAN)
@@ -74,6 +74,17 @@ PARAMETERS_NATS = Threshold(6.0, "nats", "that a refit must gain for base parame
 PARAMETERS_SIZE = Threshold(0.35, "noise levels", "by which it must change the fit", _PILOT)
 MODULUS_MOVED = Threshold(0.03, "of its logarithm", "by which a modulus has moved", _REASON)
 
+# Weak priors on base parameters, where a configuration gives no {min, max} of its own.
+MODULUS_PRIOR = Threshold(0.5, "of its logarithm", "standard deviation of a modulus", _REASON)
+NOTCH_FRICTION_PRIOR = Threshold(0.01, "", "standard deviation of the factor a notch", _REASON)
+DEADBAND_PRIOR = Threshold(1.0, "mm", "standard deviation of the deadband", _REASON)
+TENDON_MODULUS_PRIOR = Threshold(0.1, "of its logarithm", "standard deviation of the tendon's modulus", _REASON)
+CURVATURE_PRIOR = Threshold(0.5, "of its configured value", "standard deviation of a natural curvature", _REASON)
+CURVATURE_TURN_PRIOR = Threshold(0.3, "rad over the whole tube", "the same, at least", _REASON)
+# From tube to tube about the table of sharp-cornered periodic cells: tubes solved whole as 3-D solids need 1.00 to 1.10 of
+# their cells', and the corners of a laser's cut are round.
+END_EFFECT_SPREAD = Threshold(0.06, "of the table", "standard deviation of a tube's end effect", "examples/solid")
+
 # Unseen rows.
 MAX_HELD_OUT_SHARE = Threshold(0.55, "of the base model's error", "on unseen rows that a named set may leave", _PILOT)
 HARM = Threshold(
@@ -94,7 +105,7 @@ TEMPER = Threshold(2.0, "", "by which nats between rivals are divided, as noise 
 FEWEST_SAMPLES = Threshold(12, "samples", "of a joint below which nothing is decided", _REASON)
 FEWEST_POINTS = Threshold(10, "points", "of shapes below which nothing is decided", _REASON)
 SAMPLES_A_PARAMETER = Threshold(3, "samples", "that each base parameter needs", _REASON)
-STILL = Threshold(1.3, "noise levels", "of movement of a response that may be noise alone", _CLEAN)
+STILL_NOISE = Threshold(1.3, "noise levels", "of movement of a response that may be noise alone", _CLEAN)
 MAX_UNEXPLAINED_FRACTION = Threshold(
     0.5, "of its movement", "that a model may leave of a response that does move", _PILOT
 )
@@ -126,6 +137,6 @@ MOST_KEPT_BACK = Threshold(0.6, "of a run", "that is kept back after its first c
 ALL: dict[str, Threshold] = {name: value for name, value in list(globals().items()) if isinstance(value, Threshold)}
 
 
-def digest() -> str:
+def thresholds_digest() -> str:
     """Return the SHA-256 of every threshold's name and value."""
     return sha256("\n".join(f"{name} = {float(value)!r}" for name, value in sorted(ALL.items())).encode()).hexdigest()

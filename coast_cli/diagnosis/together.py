@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from coast_cli.diagnosis.answer import Carried, Diagnosis, Level, Shared, Value
+from coast_cli.diagnosis.asked import Asked
 from coast_cli.diagnosis.fit import Fit, fit
 from coast_cli.diagnosis.joint import diagnose_joint
 from coast_cli.diagnosis.joint.build import build_joint_problem
@@ -23,6 +24,7 @@ from coast_cli.diagnosis.joint.holdout import hold_out
 from coast_cli.diagnosis.joint.problem import JointProblem
 from coast_cli.diagnosis.model_file import model_text
 from coast_cli.diagnosis.shapes import diagnose_shapes
+from coast_cli.diagnosis.thresholds import AGREE_SIGMA, CARRIES_TO_JOINT
 from coast_cli.effects.catalogue import CATALOGUE
 from coast_cli.effects.shapes.catalogue import SHAPE_CATALOGUE
 from coast_cli.spec.load import load_config_text
@@ -32,13 +34,9 @@ if TYPE_CHECKING:
     from coast_cli.spec.config import Config
 
 _TAUGHT = ("physics", "parameters")  # verdicts of shapes that name something for certain
-_AGREE = 2.6  # standard deviations, 1 % by chance
-_WORSE = 1.1  # the refitted joint's held-out error may not rise by more
 
 
-def diagnose_together(
-    config: Config, recordings: Recordings, *, named_hold_out: Sequence[str] = (), most_effects: int = 5
-) -> Diagnosis:
+def diagnose_together(config: Config, recordings: Recordings, asked: Asked) -> Diagnosis:
     """Return the diagnosis of the joint, with that of the shapes and what both share in ``carried``.
 
     Raises:
@@ -47,22 +45,23 @@ def diagnose_together(
     if recordings.joint is None or recordings.shape is None:
         raise ValueError("both kinds of recordings are expected")
     runs = recordings.joint.runs
-    own = [name for name in named_hold_out if name in {run.name for run in runs}]
-    theirs = [name for name in named_hold_out if name in {run.name for run in recordings.shape.runs}]
-    shapes = diagnose_shapes(config, recordings.shape.runs, named_hold_out=theirs, most_effects=most_effects)
+    of_joint = asked.of_runs([run.name for run in runs])
+    of_shapes = asked.of_runs([run.name for run in recordings.shape.runs])
+    own = of_joint.hold_out
+    shapes = diagnose_shapes(config, recordings.shape.runs, **of_shapes.options)
     without = _Levels(config, recordings, own)
     found = [effect for effect in shapes.effects if _in_the_tubes(effect.id)]
     if not found or shapes.verdict not in _TAUGHT:
-        joint = diagnose_joint(config, runs, named_hold_out=own, most_effects=most_effects)
+        joint = diagnose_joint(config, runs, **of_joint.options)
         return replace(joint, carried=Carried(shapes, _modulus(shapes, without)))
     taught_config = taught(config, shapes, recordings)
     taught_levels = _Levels(taught_config, recordings, own)
     share = _share_wanted(
         without, _Levels(taught(config, shapes, recordings, share=0.5), recordings, own), taught_levels
     )
-    agree = share is None or abs(share.value - 1.0) < _AGREE * share.std
-    used = agree and taught_levels.held(1) < _WORSE * without.held(1)
-    joint = diagnose_joint(taught_config if used else config, runs, named_hold_out=own, most_effects=most_effects)
+    agree = share is None or abs(share.value - 1.0) < AGREE_SIGMA * share.std
+    used = agree and taught_levels.held(1) < CARRIES_TO_JOINT * without.held(1)
+    joint = diagnose_joint(taught_config if used else config, runs, **of_joint.options)
     rows = [
         _shared(f"{effect.id}.{name}", value, share)
         for effect in found
@@ -162,7 +161,7 @@ def _combined(name: str, one: Value, other: Value) -> Shared:
     value = float(weights @ [one.value, other.value] / weights.sum())
     apart = abs(one.value - other.value) / float(np.hypot(one.std, other.std))
     both = Value(value, float(weights.sum() ** -0.5), at_bound=False)
-    return Shared(name, one, other, both, agree=bool(apart < _AGREE))
+    return Shared(name, one, other, both, agree=bool(apart < AGREE_SIGMA))
 
 
 def _modulus(shapes: Diagnosis, joint: _Levels) -> tuple[Shared, ...]:

@@ -10,7 +10,7 @@ from typing import IO, TYPE_CHECKING, Any
 from coast_cli.output.diagnosis_words import axis_unit
 
 if TYPE_CHECKING:
-    from coast_cli.diagnosis.answer import Carried, Comparison, Diagnosis, Level, Named, Value
+    from coast_cli.diagnosis.answer import Carried, Diagnosis, Level, Named, SideBySide, Value
     from coast_cli.diagnosis.locate import Region
     from coast_cli.output.diagnosis import DiagnosisAnswer
 
@@ -111,7 +111,7 @@ def _value(value: Value) -> dict[str, Any]:
     return {"value": number(value.value), "std": number(value.std), "at_bound": bool(value.at_bound)}
 
 
-def _fit(fit: Comparison) -> dict[str, Any]:
+def _fit(fit: SideBySide) -> dict[str, Any]:
     levels: Mapping[str, Level] = {
         "configured": fit.configured,
         "refitted": fit.refitted,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from coast_cli.diagnosis.curves import Curve, curves
+from coast_cli.diagnosis.curves import JointCurve
 from coast_cli.output.comparison_plot import RESPONSES
 from coast_cli.output.diagnosis_words import percent, place
 from coast_cli.output.picture import COLOURS, RECORDED, Picture, short
@@ -31,11 +31,11 @@ _BASE, _CORRECTED = COLOURS[:2]
 def plot_diagnosis(answer: DiagnosisAnswer) -> Picture:
     """Draw some of the runs with their models, and the regions that hold the excess."""
     found = answer.diagnosis
-    shown = _spread(curves(answer.config, answer.recordings, found), MOST_PANELS)
+    shown = _spread(found.curves, MOST_PANELS)
     columns = 2 if len(shown) in (2, 4) else max(min(len(shown), 3), 1)
     rows = -(-len(shown) // columns)
     bars = 0.9 + 0.24 * min(len(found.where), _MOST_BARS) if found.where else 0.0
-    panel = 3.4 if not shown or isinstance(shown[0], Curve) else 4.8
+    panel = 3.4 if not shown or isinstance(shown[0], JointCurve) else 4.8
     heights = [height for height in (panel * rows, bars) if height > 0.0]
 
     def paint(figure: Any) -> None:  # noqa: ANN401
@@ -43,37 +43,37 @@ def plot_diagnosis(answer: DiagnosisAnswer) -> Picture:
         if found.where:
             _bars(answer, figure.add_subplot(places[-1]))
         for place_, curve in zip(places[0].subgridspec(max(rows, 1), columns), shown, strict=False):
-            ratios = (2, 1) if isinstance(curve, Curve) else (2, 1, 1)
+            ratios = (2, 1) if isinstance(curve, JointCurve) else (2, 1, 1)
             inner = place_.subgridspec(len(ratios), 1, height_ratios=ratios)
             upper = figure.add_subplot(inner[0])
-            lower = figure.add_subplot(inner[1], sharex=upper if isinstance(curve, Curve) else None)
-            if isinstance(curve, Curve):
+            lower = figure.add_subplot(inner[1], sharex=upper if isinstance(curve, JointCurve) else None)
+            if isinstance(curve, JointCurve):
                 _run(curve, found, upper, lower)
             else:
                 _shape(curve, found, upper, lower)
                 _bend(curve, found, figure.add_subplot(inner[2], sharex=lower))
             upper.set_title(_title(curve, found))
-            lower.set_ylabel("recorded - model" if isinstance(curve, Curve) else "distance (mm)")
+            lower.set_ylabel("recorded - model" if isinstance(curve, JointCurve) else "distance (mm)")
             if curve is shown[0]:
                 upper.legend()
 
     return Picture((3.6 * max(columns, 2), sum(heights) or 1.0), paint)
 
 
-def _spread(items: Sequence[Curve | ShapeCurve], most: int) -> list[Curve | ShapeCurve]:
+def _spread(items: Sequence[JointCurve | ShapeCurve], most: int) -> list[JointCurve | ShapeCurve]:
     """Return at most so many, evenly over the list, the first and the last among them."""
     if len(items) <= most:
         return list(items)
     return [items[round(index * (len(items) - 1) / (most - 1))] for index in range(most)]
 
 
-def _title(curve: Curve | ShapeCurve, found: Diagnosis) -> str:
+def _title(curve: JointCurve | ShapeCurve, found: Diagnosis) -> str:
     held = found.comparison is not None and curve.run.name in found.comparison.held_out_runs
-    what = f"X2 = {_lengths(curve.run.bending_length)} mm" if isinstance(curve, Curve) else curve.run.pair
+    what = f"X2 = {_lengths(curve.run.bending_length)} mm" if isinstance(curve, JointCurve) else curve.run.pair
     return f"{curve.run.name}, {what}{' (held out)' if held else ''}"
 
 
-def _run(curve: Curve, found: Diagnosis, upper: Any, lower: Any) -> None:  # noqa: ANN401
+def _run(curve: JointCurve, found: Diagnosis, upper: Any, lower: Any) -> None:  # noqa: ANN401
     run = curve.run
     label, unit = RESPONSES[run.kind]
     drive = run.drive / MILLIMETRE if run.stroke is not None else run.drive
@@ -120,7 +120,7 @@ def _bend(curve: ShapeCurve, found: Diagnosis, axes: Any) -> None:  # noqa: ANN4
     axes.set_xlabel("arc length (mm); dashed: natural")
 
 
-def _models(curve: Curve | ShapeCurve, found: Diagnosis) -> list[tuple[Floats, str, str]]:
+def _models(curve: JointCurve | ShapeCurve, found: Diagnosis) -> list[tuple[Floats, str, str]]:
     models = [(curve.base, _BASE, "base refitted")]
     return (
         [*models, (curve.corrected, _CORRECTED, "with effects")] if found.model_effects or found.model_tubes else models

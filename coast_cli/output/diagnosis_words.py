@@ -6,7 +6,7 @@ from math import floor, isfinite, log10
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from coast_cli.diagnosis.answer import Carried, Comparison, Diagnosis, Level, Named, Value
+    from coast_cli.diagnosis.answer import Carried, Diagnosis, Level, Named, SideBySide, Value
     from coast_cli.diagnosis.locate import Region
 
 HEADLINES = {
@@ -117,7 +117,7 @@ def judged(level: Level) -> float:
     return level.train if level.held_out is None else level.held_out
 
 
-def gained(fit: Comparison) -> str:
+def gained(fit: SideBySide) -> str:
     """Return what the effects gain over the refitted base, as a sentence that can also say no."""
     before, after = judged(fit.refitted), judged(fit.with_effects)
     where = "fitted rows only, no proof" if fit.with_effects.held_out is None else "held out"
@@ -163,7 +163,7 @@ def nowhere(found: Diagnosis) -> str:
     return "Nowhere: no part of the recording holds more error than the rest."
 
 
-def held_out(fit: Comparison) -> str:
+def held_out(fit: SideBySide) -> str:
     """Return what was held out, as a sentence."""
     runs = ", ".join(fit.held_out_runs)
     return f"Held out: {runs} ({fit.rule})." if runs else f"Held out: {fit.rule}."

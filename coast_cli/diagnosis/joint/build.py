@@ -10,18 +10,23 @@ import numpy as np
 from coast_cli.diagnosis.joint.outliers import screened
 from coast_cli.diagnosis.joint.problem import CONFIG_KEYS, JointProblem, required
 from coast_cli.diagnosis.space import BaseParameter, Booleans
+from coast_cli.diagnosis.thresholds import (
+    DEADBAND_PRIOR,
+    MODULUS_PRIOR,
+    NOTCH_FRICTION_PRIOR,
+    TENDON_MODULUS_PRIOR,
+)
 from coast_cli.recordings.evidence import evidence_of
 
 if TYPE_CHECKING:
     from coast_cli.recordings.model import JointRun
     from coast_cli.spec.config import Config
 
-# Standard deviations of the weak priors on base parameters, where the configuration gives no {min, max} of its own.
 _PRIORS = {
-    "youngs_modulus_gpa": 0.5,  # of its logarithm
-    "notch_friction": 0.01,
-    "deadband_mm": 1.0,
-    "tendon_youngs_modulus_gpa": 0.1,  # of its logarithm
+    "youngs_modulus_gpa": MODULUS_PRIOR,
+    "notch_friction": NOTCH_FRICTION_PRIOR,
+    "deadband_mm": DEADBAND_PRIOR,
+    "tendon_youngs_modulus_gpa": TENDON_MODULUS_PRIOR,
 }
 _LOGARITHMIC = ("youngs_modulus_gpa", "tendon_youngs_modulus_gpa")
 _TRIVIAL = 1e-12
@@ -89,7 +94,7 @@ def _free_parameters(config: Config, runs: Sequence[JointRun], *, has_witness: b
         wide = _wide_bounds(name, value)
         low, high = max(low, wide[0]), min(high, wide[1])
         given = _given_bounds(config, name)
-        prior = _PRIORS[name]
+        prior = float(_PRIORS[name])
         if given is not None:
             low, high = given
             prior = (np.log(high / low) if name in _LOGARITHMIC else high - low) / 4.0

@@ -18,7 +18,7 @@ import numpy as np
 from coast_cli.diagnosis.joint.build import build_joint_problem
 from coast_cli.diagnosis.joint.problem import CONFIG_KEYS, JointProblem
 from coast_cli.diagnosis.least_squares import FitResult, Residual, least_squares, profile_interval
-from coast_cli.diagnosis.noise_model import COLOURS, NoiseBank
+from coast_cli.diagnosis.noise_model import NOISE_COLOURS, NoiseBank
 from coast_cli.errors import BadInput, nearest
 
 if TYPE_CHECKING:
@@ -44,12 +44,12 @@ REASON: Mapping[str, tuple[Callable[[float], float], Callable[[float], float]]] 
 OUTLIER = 5.0
 LEVEL = 0.9
 POOR_QUADRATIC = 0.1
-TOLERANCE = 1e-9
+FINE_TOLERANCE = 1e-9
 ROUGH_TOLERANCE = 1e-6
 
 
 @dataclass(frozen=True)
-class Parameter:
+class Calibratable:
     """A number of the configuration that may be fitted: its value there and its bounds, in the unit of its name."""
 
     name: str
@@ -75,7 +75,7 @@ class Parameter:
 class Estimate:
     """A fitted parameter: value, standard deviation, interval of 90 % and how it was found."""
 
-    parameter: Parameter
+    parameter: Calibratable
     value: float
     std: float
     low: float
@@ -85,7 +85,7 @@ class Estimate:
 
 
 @dataclass(frozen=True, eq=False)
-class Fitted:
+class CalibrationFit:
     """A fit of some runs.
 
     Attributes:
@@ -100,16 +100,16 @@ class Fitted:
     weights: tuple[Weights, ...]
     estimates: tuple[Estimate, ...]
     correlation: Floats
-    held: tuple[tuple[Parameter, str], ...]
+    held: tuple[tuple[Calibratable, str], ...]
     converged: bool
 
     @property
     def values(self) -> dict[str, float]:
-        """Fitted values by name."""
+        """CalibrationFit values by name."""
         return {estimate.parameter.name: estimate.value for estimate in self.estimates}
 
 
-def calibratable(config: Config, names: Sequence[str] = ()) -> tuple[Parameter, ...]:
+def calibratable(config: Config, names: Sequence[str] = ()) -> tuple[Calibratable, ...]:
     """Return the parameters to fit: those named, else those the configuration gives bounds, else the usual three.
 
     Raises:
@@ -124,8 +124,7 @@ def calibratable(config: Config, names: Sequence[str] = ()) -> tuple[Parameter, 
     for name in names:
         if name not in CONFIG_KEYS:
             raise BadInput(
-                "there is no such parameter",
-                key="--fit",
+                "there is no such parameter to fit",
                 found=name,
                 allowed=", ".join(CONFIG_KEYS),
                 hint=nearest(name, CONFIG_KEYS) or None,
@@ -137,18 +136,18 @@ def calibratable(config: Config, names: Sequence[str] = ()) -> tuple[Parameter, 
     return tuple(_within_reason(name, *config.bounds(CONFIG_KEYS[name]), given=name in bounded) for name in chosen)
 
 
-def _within_reason(name: str, value: float, low: float, high: float, *, given: bool) -> Parameter:
+def _within_reason(name: str, value: float, low: float, high: float, *, given: bool) -> Calibratable:
     """Return a parameter with its given bounds, or with bounds that no device of this kind has exceeded."""
     if not given:
         low, high = max(low, REASON[name][0](value)), min(high, REASON[name][1](value))
-    return Parameter(name, value, low, high)
+    return Calibratable(name, value, low, high)
 
 
 @dataclass(frozen=True)
 class Posed:
     """Parameters and the runs that they are fitted to, those of one kind together."""
 
-    parameters: tuple[Parameter, ...]
+    parameters: tuple[Calibratable, ...]
     problems: tuple[JointProblem, ...]
 
     def values(self, coordinates: Floats, held: Mapping[str, float]) -> dict[str, float]:
@@ -192,7 +191,7 @@ class Weights:
     tension_colour: int
 
 
-def pose(config: Config, runs: Sequence[JointRun], parameters: Sequence[Parameter]) -> Posed:
+def pose(config: Config, runs: Sequence[JointRun], parameters: Sequence[Calibratable]) -> Posed:
     """Return the fit of parameters to runs, grouped by what they record.
 
     Raises:
@@ -205,15 +204,15 @@ def pose(config: Config, runs: Sequence[JointRun], parameters: Sequence[Paramete
     return Posed(tuple(parameters), tuple(build_joint_problem(config, members) for members in kinds.values()))
 
 
-def fit(posed: Posed, start: Mapping[str, float] | None = None) -> Fitted:
+def fit_parameters(posed: Posed, start: Mapping[str, float] | None = None) -> CalibrationFit:
     """Fit the parameters; what the recordings cannot tell is held at ``start`` (the configured values by default)."""
     at = {parameter.name: parameter.value for parameter in posed.parameters} | dict(start or {})
     held: dict[str, float] = {}
-    reasons: list[tuple[Parameter, str]] = []
+    reasons: list[tuple[Calibratable, str]] = []
     while True:
         free = [parameter for parameter in posed.parameters if parameter.name not in held]
         if not free:
-            return Fitted(posed, posed.white, (), np.zeros((0, 0)), tuple(reasons), converged=True)
+            return CalibrationFit(posed, posed.white, (), np.zeros((0, 0)), tuple(reasons), converged=True)
         near = _solve(posed, free, at, held, posed.white, tolerance=ROUGH_TOLERANCE)
         start_here = posed.values(near.x, held)
         rough = _solve(posed, free, start_here, held, posed.white, robust=True, tolerance=ROUGH_TOLERANCE)
@@ -225,7 +224,7 @@ def fit(posed: Posed, start: Mapping[str, float] | None = None) -> Fitted:
         break
     posed, weights = _second_pass(posed, posed.values(rough.x, held))
     fine = _coloured(posed, weights, _solve(posed, free, posed.values(rough.x, held), held, weights))
-    return Fitted(
+    return CalibrationFit(
         posed,
         weights,
         tuple(_estimates(posed, free, held, weights, fine)),
@@ -235,7 +234,7 @@ def fit(posed: Posed, start: Mapping[str, float] | None = None) -> Fitted:
     )
 
 
-def refit(whole: Fitted, rows: Mapping[str, Booleans]) -> Fitted | None:
+def refit(whole: CalibrationFit, rows: Mapping[str, Booleans]) -> CalibrationFit | None:
     """Refit some rows of each run, weighted as in the whole fit; what they cannot tell stays at the whole fit's values.
 
     Returns None where the rows are too few.
@@ -249,14 +248,14 @@ def refit(whole: Fitted, rows: Mapping[str, Booleans]) -> Fitted | None:
     ]
     free = [estimate.parameter for estimate in whole.estimates]
     held = {parameter.name: parameter.value for parameter, _ in whole.held}
-    reasons: list[tuple[Parameter, str]] = []
+    reasons: list[tuple[Calibratable, str]] = []
     while free:
         if sum(problem.observed.size for problem in posed.problems) <= len(free):
             return None
         fine = _solve(posed, free, whole.values, held, weights)
         if all(fine.seen):
             fine = _coloured(posed, weights, fine)
-            return Fitted(
+            return CalibrationFit(
                 posed,
                 tuple(weights),
                 tuple(_estimates(posed, free, held, weights, fine, profile=False)),
@@ -273,13 +272,13 @@ def refit(whole: Fitted, rows: Mapping[str, Booleans]) -> Fitted | None:
 
 def _solve(
     posed: Posed,
-    free: Sequence[Parameter],
+    free: Sequence[Calibratable],
     at: Mapping[str, float],
     held: Mapping[str, float],
     weights: Sequence[Weights],
     *,
     robust: bool = False,
-    tolerance: float = TOLERANCE,
+    tolerance: float = FINE_TOLERANCE,
 ) -> FitResult:
     return least_squares(
         lambda x: posed.residual(posed.values(x, held), weights),
@@ -287,7 +286,7 @@ def _solve(
         *_bounds(free),
         robust=robust,
         tolerance=tolerance,
-        polish=tolerance == TOLERANCE,
+        polish=tolerance == FINE_TOLERANCE,
     )
 
 
@@ -302,7 +301,7 @@ def _coloured(posed: Posed, weights: Sequence[Weights], fine: FitResult) -> FitR
         slopes = np.zeros((int(rows[-1]) + 1 if rows.size else 0, len(fine.x)))
         slopes[rows] = fine.jacobian[start : start + rows.size]
         start += rows.size
-        memory, white = COLOURS[colour]
+        memory, white = NOISE_COLOURS[colour]
         spread += white * slopes.T @ slopes
         if white < 1.0 and rows.size:
             lag = np.abs(np.arange(1 - len(slopes), len(slopes)))
@@ -314,11 +313,11 @@ def _coloured(posed: Posed, weights: Sequence[Weights], fine: FitResult) -> FitR
     return replace(fine, covariance=covariance, std=np.sqrt(np.maximum(np.diag(covariance), 0.0)))
 
 
-def _bounds(free: Sequence[Parameter]) -> tuple[Floats, Floats]:
+def _bounds(free: Sequence[Calibratable]) -> tuple[Floats, Floats]:
     return np.array([p.inner(p.low) for p in free]), np.array([p.inner(p.high) for p in free])
 
 
-def _given_up(free: Sequence[Parameter], rough: FitResult) -> tuple[Parameter, str]:
+def _given_up(free: Sequence[Calibratable], rough: FitResult) -> tuple[Calibratable, str]:
     """Return the parameter to hold next, and why in words."""
     unseen = [parameter for parameter, seen in zip(free, rough.seen, strict=True) if not seen]
     found = min(unseen, key=lambda parameter: HELD_FIRST.index(parameter.name))
@@ -358,7 +357,7 @@ def _level_and_colour(bank: NoiseBank, residual: Floats) -> tuple[float, int]:
 
 def _estimates(
     posed: Posed,
-    free: Sequence[Parameter],
+    free: Sequence[Calibratable],
     held: Mapping[str, float],
     weights: Sequence[Weights],
     fine: FitResult,

@@ -12,7 +12,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from coast_cli.diagnosis.joint.calibrate import Fitted, Parameter, Posed, calibratable, fit, pose, refit
+from coast_cli.diagnosis.joint.calibrate import (
+    Calibratable,
+    CalibrationFit,
+    Posed,
+    calibratable,
+    fit_parameters,
+    pose,
+    refit,
+)
 from coast_cli.diagnosis.joint.errors import UNITS, to_unit
 from coast_cli.diagnosis.spread import Spread
 from coast_cli.errors import BadInput, nearest
@@ -39,12 +47,12 @@ class Part:
     """A refit of one run or of one branch of all runs, and how far each value lies from the whole fit's, in sigmas."""
 
     name: str
-    fitted: Fitted
+    fitted: CalibrationFit
     distance: Mapping[str, float]
 
 
 @dataclass(frozen=True, eq=False)
-class Errors:
+class CalibrationErrors:
     """Root mean square errors by unit, as configured and as calibrated."""
 
     configured: Mapping[str, float]
@@ -64,11 +72,11 @@ class Calibration:
         in_turn: whether each run was held out in turn; ``whole`` is then fitted to all.
     """
 
-    parameters: tuple[Parameter, ...]
-    whole: Fitted
+    parameters: tuple[Calibratable, ...]
+    whole: CalibrationFit
     parts: tuple[Part, ...]
-    train: Errors
-    held_out: Errors | None
+    train: CalibrationErrors
+    held_out: CalibrationErrors | None
     held_out_runs: tuple[str, ...]
     in_turn: bool
 
@@ -87,7 +95,9 @@ class Calibration:
             rows += [self._row(part.name, part.fitted, p, part.distance) for p in self.parameters if p.name in names]
         return rows
 
-    def _row(self, subset: str, fitted: Fitted, parameter: Parameter, distance: Mapping[str, float] | None) -> Row:
+    def _row(
+        self, subset: str, fitted: CalibrationFit, parameter: Calibratable, distance: Mapping[str, float] | None
+    ) -> Row:
         found = {estimate.parameter.name: (index, estimate) for index, estimate in enumerate(fitted.estimates)}
         index, estimate = found.get(parameter.name, (-1, None))
         correlation: dict[str, float | None] = {}
@@ -152,8 +162,8 @@ def calibrate(
     kept_back = () if in_turn else _known(runs, hold_out)
     train = [run for run in runs if run.name not in kept_back]
     if not train or (in_turn and len(runs) < 2):
-        raise BadInput("every run is held out, so none is left to fit", key="--hold-out", allowed="some of the runs")
-    whole = fit(pose(config, train, parameters))
+        raise BadInput("every run is held out, so none is left to fit", allowed="some of the runs")
+    whole = fit_parameters(pose(config, train, parameters))
     held_out = None
     if in_turn:
         held_out = _errors_in_turn(config, runs, parameters)
@@ -176,8 +186,7 @@ def _known(runs: Sequence[JointRun], names: Sequence[str]) -> tuple[str, ...]:
     for name in names:
         if name not in known:
             raise BadInput(
-                "there is no such run",
-                key="--hold-out",
+                "there is no such run to hold out",
                 found=name,
                 allowed=f"{', '.join(known)}, or {EACH}",
                 hint=nearest(name, known) or None,
@@ -185,7 +194,7 @@ def _known(runs: Sequence[JointRun], names: Sequence[str]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(names))
 
 
-def _parts(whole: Fitted, runs: Sequence[JointRun]) -> list[Part]:
+def _parts(whole: CalibrationFit, runs: Sequence[JointRun]) -> list[Part]:
     """Refit single runs and branches, where there is more than one."""
     subsets: dict[str, dict[str, Booleans]] = {}
     if len(runs) > 1:
@@ -201,7 +210,7 @@ def _parts(whole: Fitted, runs: Sequence[JointRun]) -> list[Part]:
     return parts
 
 
-def _distances(whole: Fitted, part: Fitted) -> dict[str, float]:
+def _distances(whole: CalibrationFit, part: CalibrationFit) -> dict[str, float]:
     """Return how far the part's values lie from the whole's, in sigmas of their difference."""
     of_whole = {estimate.parameter.name: estimate for estimate in whole.estimates}
     found = {}
@@ -213,17 +222,17 @@ def _distances(whole: Fitted, part: Fitted) -> dict[str, float]:
     return found
 
 
-def _errors(posed: Posed, values: Mapping[str, float]) -> Errors:
-    return Errors(_pooled([(posed, {})]), _pooled([(posed, values)]))
+def _errors(posed: Posed, values: Mapping[str, float]) -> CalibrationErrors:
+    return CalibrationErrors(_pooled([(posed, {})]), _pooled([(posed, values)]))
 
 
-def _errors_in_turn(config: Config, runs: Sequence[JointRun], parameters: Sequence[Parameter]) -> Errors:
+def _errors_in_turn(config: Config, runs: Sequence[JointRun], parameters: Sequence[Calibratable]) -> CalibrationErrors:
     """Predict each run from a fit to all others, and pool the errors."""
     kept = []
     for run in runs:
-        others = fit(pose(config, [other for other in runs if other is not run], parameters))
+        others = fit_parameters(pose(config, [other for other in runs if other is not run], parameters))
         kept.append((pose(config, [run], parameters), others.values))
-    return Errors(_pooled([(posed, {}) for posed, _ in kept]), _pooled(kept))
+    return CalibrationErrors(_pooled([(posed, {}) for posed, _ in kept]), _pooled(kept))
 
 
 def _pooled(models: Sequence[tuple[Posed, Mapping[str, float]]]) -> dict[str, float]:
@@ -251,7 +260,7 @@ def _finite(value: float) -> float | None:
     return value if np.isfinite(value) else None
 
 
-def _told(errors: Errors) -> str:
+def _told(errors: CalibrationErrors) -> str:
     parts = [
         f"{errors.configured[unit]:.4g} as configured, {value:.4g} calibrated ({unit})"
         for unit, value in errors.calibrated.items()

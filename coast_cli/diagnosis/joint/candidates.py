@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from coast_cli.diagnosis.problem import Candidate
+from coast_cli.diagnosis.problem import Contender
 from coast_cli.diagnosis.space import BaseParameter, Coordinate, ParameterSpace
 from coast_cli.effects.catalogue import CATALOGUE
 from coast_cli.effects.effect import Effect, Need, Parameter, Scale
@@ -17,15 +17,15 @@ if TYPE_CHECKING:
     from coast_cli.diagnosis.joint.problem import JointProblem
 
 
-def joint_candidates(problem: JointProblem, taken: set[str], *, alone: bool) -> list[Candidate]:
+def joint_candidates(problem: JointProblem, taken: set[str], *, alone: bool) -> list[Contender]:
     """Return the effects that may be added to those taken; ``alone`` asks also for what competes by itself."""
 
     def starts(kind: type[Effect]) -> tuple[Effect, ...]:
         return tuple(starts_of(kind, problem.reached, problem.holds))
 
-    found = [Candidate(starts(kind)) for kind in applicable(problem) if kind.id not in taken]
+    found = [Contender(starts(kind)) for kind in applicable(problem) if kind.id not in taken]
     if alone:
-        found += [Candidate(starts(kind), alone=True) for kind in applicable_by_rows(problem) if kind.id not in taken]
+        found += [Contender(starts(kind), alone=True) for kind in applicable_by_rows(problem) if kind.id not in taken]
     return found
 
 

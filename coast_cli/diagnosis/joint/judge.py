@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from coast_cli.diagnosis.answer import Comparison, Diagnosis, Errors
+from coast_cli.diagnosis.answer import Diagnosis, Errors, SideBySide
 from coast_cli.diagnosis.contest import run_contest
+from coast_cli.diagnosis.curves import JointCurve
 from coast_cli.diagnosis.fit import Fit, fit, rms
 from coast_cli.diagnosis.joint.axes import locate_joint
 from coast_cli.diagnosis.joint.build import build_joint_problem
@@ -18,12 +19,19 @@ from coast_cli.diagnosis.joint.errors import UNITS, errors_of, held_out_spread, 
 from coast_cli.diagnosis.joint.holdout import hold_out
 from coast_cli.diagnosis.joint.problem import CONFIG_KEYS, JointProblem
 from coast_cli.diagnosis.joint.structure import Structure, find_structure
-from coast_cli.diagnosis.joint.words import AFTER_UNEXPLAINED, FIRST_RECORDING, limits, loop_note, one_length, untested
+from coast_cli.diagnosis.joint.words import (
+    FIRST_RECORDING,
+    SAME_SWEEP_AGAIN,
+    joint_limits,
+    loop_note,
+    one_length,
+    untested,
+)
 from coast_cli.diagnosis.judge import (
     Case,
     Leftover,
-    Rule,
     Ruling,
+    VerdictRule,
     effects_are_named,
     first_effect_is_disputed,
     judge,
@@ -45,7 +53,7 @@ from coast_cli.diagnosis.thresholds import (
     NEEDED,
     REPEATS,
     SAMPLES_A_PARAMETER,
-    STILL,
+    STILL_NOISE,
     UNFELT,
 )
 from coast_cli.mechanics.section import FloatArray
@@ -83,7 +91,7 @@ def diagnose_joint(
         return Diagnosis(
             "insufficient", reason, to_unit(kind, problem.noise), UNITS[kind], next_recording=FIRST_RECORDING
         )
-    case, ruling = judge(JointCase(problem, kept_back, run_contest(problem, most_effects)), RULES)
+    case, ruling = judge(JointCase(problem, kept_back, run_contest(problem, most_effects)), JOINT_RULES)
     return case.diagnosis(ruling)
 
 
@@ -95,7 +103,7 @@ def _insufficient(problem: JointProblem) -> str:
     if max(spans) <= 0.0:
         return "the drive never moves"
     moved = float(np.std(problem.observed))
-    if moved <= STILL * problem.floor and fit(problem).rmse > MAX_UNEXPLAINED_FRACTION * moved:
+    if moved <= STILL_NOISE * problem.floor and fit(problem).rmse > MAX_UNEXPLAINED_FRACTION * moved:
         return "the response never moves by more than its noise"
     return ""
 
@@ -157,6 +165,13 @@ class JointCase(Case):
         """Return the regions that hold the base model's excess error."""
         return locate_joint(self.problem, self.contest.base.fit, self.leading.fit.evidence.memory)
 
+    def curves(self, final: Fit) -> tuple[JointCurve, ...]:
+        """Return what the refitted base and the corrected model predict of every run."""
+        before = self.problem.predict(self.contest.base.fit.coordinates, ())
+        after = self.problem.predict(final.coordinates, final.effects)
+        runs = zip(self.problem.runs, before, after, strict=True)
+        return tuple(JointCurve(run, old.response, new.response) for run, old, new in runs)
+
     def model_spread(self, final: Fit) -> Spread | None:
         """Return how sure the numbers of the saved model are."""
         base = self.problem.base
@@ -165,7 +180,7 @@ class JointCase(Case):
         scale = [values[parameter.name] if parameter.logarithmic else 1.0 for parameter in base]
         return spread_of(keys, [*scale, *[1.0] * (len(keys) - len(scale))], final.covariance)
 
-    def carries_over(self, fitted: Fit, comparison: Comparison) -> bool:
+    def carries_over(self, fitted: Fit, comparison: SideBySide) -> bool:
         """Return whether most of the improvement is there on rows that were not fitted.
 
         Rows that the base model predicts within the noise cannot show an improvement, only harm. Elsewhere the error may
@@ -192,13 +207,13 @@ class JointCase(Case):
                 return f"{proposals[0].words} (expected to add {proposals[0].gain:.0f} nats between the closest two)"
             return self.first_effect().decided_by
         if ruling.verdict == "unexplained":
-            return AFTER_UNEXPLAINED
+            return SAME_SWEEP_AGAIN
         return self.first_effect().decided_by if self.is_named(ruling) else untested(self.problem)
 
     def notes(self, ruling: Ruling, final: Fit) -> tuple[str, ...]:
-        """Return what limits the answer, a sentence each."""
+        """Return what joint_limits the answer, a sentence each."""
         leading = self.leading.fit
-        notes = [*limits(self.problem), *loop_note(self.problem, leading.effects), *one_length(self.problem)]
+        notes = [*joint_limits(self.problem), *loop_note(self.problem, leading.effects), *one_length(self.problem)]
         if not self.kept_back.runs:
             notes.append(f"held out: {self.kept_back.rule}")
         touching = zip(self.problem.base, leading.at_bound, strict=False)
@@ -266,7 +281,7 @@ def _vanished(problem: JointProblem, final: Fit) -> set[str]:
     return found
 
 
-RULES: tuple[Rule, ...] = (
+JOINT_RULES: tuple[VerdictRule, ...] = (
     what_does_not_carry_over_is_dropped,
     what_is_redundant_is_dropped,
     what_vanished_is_dropped,

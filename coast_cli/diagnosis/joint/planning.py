@@ -23,7 +23,7 @@ _CURVATURE_NOISE = 0.25  # 1/m: the paper's camera
 _ANGLE_NOISE = 0.5  # degrees
 _DIGITS = 3  # what sizing to 1 % is worth
 _MOSTLY = 0.3
-Row = dict[str, str | float | bool | None]
+PlanRow = dict[str, str | float | bool | None]
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ class Plan:
         return standard(bench, low * bench.unit, top * bench.unit, meters, rate * bench.unit, hold).runs
 
 
-def plan_rows(config: Config, runs: Sequence[JointRun], plan: Plan) -> tuple[list[Row], tuple[str, ...]]:
+def plan_rows(config: Config, runs: Sequence[JointRun], plan: Plan) -> tuple[list[PlanRow], tuple[str, ...]]:
     """Return a row for each effect, what is told apart first, and notes on what was assumed.
 
     Raises:
@@ -114,8 +114,8 @@ def plan_rows(config: Config, runs: Sequence[JointRun], plan: Plan) -> tuple[lis
     return [_row(one) for one in found], tuple(notes)
 
 
-def _row(one: Outlook) -> Row:
-    row: Row = {
+def _row(one: Outlook) -> PlanRow:
+    row: PlanRow = {
         "effect": one.id,
         "component": one.component,
         "size": None,

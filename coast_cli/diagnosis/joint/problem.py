@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 from coast_cli.diagnosis.fit import Fit, rms
 from coast_cli.diagnosis.joint.candidates import joint_candidates, joint_space
 from coast_cli.diagnosis.noise_model import NoiseBank
-from coast_cli.diagnosis.problem import Candidate, Channel, Effort, Variant
-from coast_cli.diagnosis.space import BaseParameter, ParameterSpace, Point, bounds_of, configured_coordinates
+from coast_cli.diagnosis.problem import Channel, Contender, Effort, Variant
+from coast_cli.diagnosis.space import BaseParameter, Booleans, ParameterSpace, Point, bounds_of, configured_coordinates
 from coast_cli.diagnosis.thresholds import (
     DIFFERENCES_MARGIN,
+    FLOOR_DOUBT,
     ONE_SAMPLE_SHARE,
     SLOW_NOISE,
     SMALLEST,
@@ -36,7 +37,6 @@ from coast_cli.units import GIGAPASCAL, MEGAPASCAL, MILLIMETRE
 if TYPE_CHECKING:
     from coast_cli.recordings.noise import NoiseEstimate
 
-Booleans = NDArray[np.bool_]
 
 CONFIG_KEYS = {
     "youngs_modulus_gpa": "joint.youngs_modulus_gpa",
@@ -163,24 +163,20 @@ class JointProblem:
         """What the recording itself says of its noise, whatever the model."""
         from coast_cli.recordings.noise import recording_noise
 
-        return recording_noise(self._fitted_runs)
+        return recording_noise(self._fitted_runs, self.given_noise)
 
     @property
     def highest_floor(self) -> float:
         """The highest noise level that the recording leaves possible, SI: slow noise counted in full, within reason."""
-        if self.given_noise is not None:
-            return self.given_noise
         estimate = self.noise_estimate
-        generous = float(estimate.level * np.exp(min(estimate.log_level_std, 0.7)))
+        generous = float(estimate.level * np.exp(min(estimate.log_level_std, FLOOR_DOUBT)))
         return min(max(generous, self.floor), SLOW_NOISE * self.floor)
 
     @cached_property
     def floor(self) -> float:
         """The noise level that the recording itself shows, SI, generous by its own uncertainty."""
-        if self.given_noise is not None:
-            return self.given_noise
         estimate = self.noise_estimate
-        generous = float(estimate.level * np.exp(min(estimate.log_level_std, 0.7)))
+        generous = float(estimate.level * np.exp(min(estimate.log_level_std, FLOOR_DOUBT)))
         # Second differences of AR(1) noise have variance 6 - 8 rho + 2 rho^2; kinks of the signal can only raise both.
         rho = min(estimate.correlation, 0.97)
         from_differences = self.noise * np.sqrt(6.0 / (6.0 - 8.0 * rho + 2.0 * rho**2))
@@ -338,7 +334,7 @@ class JointProblem:
         seen = np.concatenate([self.observed, self.observed_tension])
         return [seen - np.concatenate(self.fitted(self.predict(*point))) for point in points]
 
-    def candidates(self, parent: Sequence[Any], *, alone: bool) -> list[Candidate]:
+    def candidates(self, parent: Sequence[Any], *, alone: bool) -> list[Contender]:
         """Return what may be added to a set."""
         return joint_candidates(self, {effect.id for effect in parent}, alone=alone)
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from coast_cli.mechanics.section import FloatArray
     from coast_cli.spec.config import Config
 
-SAMPLES = 120  # of a run
+PLANNED_SAMPLES = 120  # of a run
 _WHOLE = 240  # of each candidate, so that they compare at equal length
 _HOLD = 60.0  # s
 _FASTER = 10.0
@@ -58,7 +58,7 @@ class Bench:
         length: float,
         *,
         hold: float = 0.0,
-        samples: int = SAMPLES,
+        samples: int = PLANNED_SAMPLES,
     ) -> JointRun:
         """Return a run that moves through ``corners`` (SI) at ``rate`` (SI per s), each held for ``hold`` s after the first."""
         times, drives = [0.0], [corners[0]]

@@ -1,4 +1,4 @@
-"""What a joint's answer says besides its figures: notes on its limits, and the next recording in bench words."""
+"""What a joint's answer says besides its figures: notes on its joint_limits, and the next recording in bench words."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from coast_cli.units import MILLIMETRE
 FIRST_RECORDING = (
     "load from slack to the largest stroke and release to zero, 200 samples or more, at two bending lengths"
 )
-AFTER_UNEXPLAINED = (
+SAME_SWEEP_AGAIN = (
     "the same sweep twice, unchanged, then at half the rate and at another bending length, "
     "with time and tension recorded"
 )
 
 
-def limits(problem: JointProblem) -> list[str]:
+def joint_limits(problem: JointProblem) -> list[str]:
     """Return what the recording cannot show, a sentence each."""
     notes = []
     if not problem.holds["time"]:

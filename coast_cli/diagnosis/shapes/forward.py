@@ -313,7 +313,7 @@ def _interpolated(layout: _Layout, x: FloatArray, y: FloatArray, angle: FloatArr
     )
 
 
-def misfit(photograph: Photograph, line: Line) -> tuple[FloatArray, FloatArray]:
+def missed_by(photograph: Photograph, line: Line) -> tuple[FloatArray, FloatArray]:
     """Return by how much the points miss a line across it, (m, n), and along it at the points that are placed, (m, k).
 
     A point that is not placed is compared with the nearest point of the line, to second order in the distance along it.

@@ -11,12 +11,13 @@ import numpy as np
 
 from coast_cli.diagnosis.answer import Diagnosis, Errors, Value
 from coast_cli.diagnosis.contest import run_contest, settle_close_ends
+from coast_cli.diagnosis.curves import ShapeCurve
 from coast_cli.diagnosis.fit import Fit, fit
 from coast_cli.diagnosis.judge import (
     Case,
     Leftover,
-    Rule,
     Ruling,
+    VerdictRule,
     effects_are_named,
     judge,
     nothing_is_named,
@@ -24,17 +25,18 @@ from coast_cli.diagnosis.judge import (
     structure_is_left,
 )
 from coast_cli.diagnosis.locate import Region
+from coast_cli.diagnosis.shapes.curves import shape_curves
 from coast_cli.diagnosis.shapes.errors import UNIT, expected_of, shape_errors_of
 from coast_cli.diagnosis.shapes.holdout import hold_out_photographs
 from coast_cli.diagnosis.shapes.leftover import find_leftover, points_noise
 from coast_cli.diagnosis.shapes.problem import ShapeProblem, build_shape_problem
 from coast_cli.diagnosis.shapes.stretches import locate_along_tube
 from coast_cli.diagnosis.shapes.words import (
-    AFTER_UNEXPLAINED,
     ANOTHER_GEOMETRY,
     HIDDEN_IN_MODULUS,
-    limits,
+    SAME_TUBE_AGAIN,
     next_photograph,
+    shape_limits,
     spread_note,
 )
 from coast_cli.diagnosis.space import Booleans
@@ -91,7 +93,7 @@ def diagnose_shapes(
     contest = run_contest(problem, most_effects)
     if kept_back.chosen:
         contest = settle_close_ends(contest, problem, whole)
-    case, ruling = judge(ShapeCase(problem, kept_back, contest, estimate=estimate), RULES)
+    case, ruling = judge(ShapeCase(problem, kept_back, contest, estimate=estimate), SHAPE_RULES)
     return case.diagnosis(ruling)
 
 
@@ -129,6 +131,10 @@ class ShapeCase(_Estimated, Case):
     def noise_level(self, ruling: Ruling) -> float:
         """Return the noise of the points, m."""
         return min(self.floor, self.leading.fit.rmse)
+
+    def curves(self, final: Fit) -> tuple[ShapeCurve, ...]:
+        """Return the lines of both models at the points of every photograph."""
+        return shape_curves(self.problem, self.contest.base.fit, final)
 
     def model_tubes(self, final: Fit) -> dict[str, float | list[float]]:
         """Return what of the model is saved as numbers of its tubes."""
@@ -199,14 +205,14 @@ class ShapeCase(_Estimated, Case):
         if ruling.verdict == "ambiguous":
             return missing or self.first_effect().decided_by
         if ruling.verdict == "unexplained":
-            return missing or AFTER_UNEXPLAINED
+            return missing or SAME_TUBE_AGAIN
         if ruling.verdict == "parameters" and not self.leading.ids and self.modulus_alone:
             return ANOTHER_GEOMETRY
         return missing if ruling.verdict in ("physics", "sensor") else ""
 
     def notes(self, ruling: Ruling, final: Fit) -> tuple[str, ...]:
-        """Return what limits the answer, a sentence each."""
-        notes = limits(self.problem, agrees=ruling.verdict == "agrees")
+        """Return what shape_limits the answer, a sentence each."""
+        notes = shape_limits(self.problem, agrees=ruling.verdict == "agrees")
         if not self.kept_back.runs:
             notes.append(f"held out: {self.kept_back.rule}")
         touching = zip(self.problem.base, self.leading.fit.at_bound, strict=False)
@@ -239,7 +245,7 @@ def only_parameters_are_named(case: ShapeCase) -> Ruling | None:
     return None
 
 
-RULES: tuple[Rule, ...] = (
+SHAPE_RULES: tuple[VerdictRule, ...] = (
     unseen_points_are_missed,
     structure_is_left,
     nothing_is_named,

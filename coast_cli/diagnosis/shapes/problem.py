@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from coast_cli.diagnosis.fit import Fit
 from coast_cli.diagnosis.noise_model import NoiseBank
-from coast_cli.diagnosis.problem import Candidate, Channel, Effort, Variant
-from coast_cli.diagnosis.shapes.forward import Forward, Job, State, misfit
+from coast_cli.diagnosis.problem import Channel, Contender, Effort, Variant
+from coast_cli.diagnosis.shapes.forward import Forward, Job, State, missed_by
 from coast_cli.diagnosis.shapes.photograph import Photograph, photographs, usual_sign
 from coast_cli.diagnosis.space import (
     BaseParameter,
@@ -29,7 +29,16 @@ from coast_cli.diagnosis.space import (
     Point,
     configured_coordinates,
 )
-from coast_cli.diagnosis.thresholds import EFFECT_NATS, ENOUGH_EXPLAINED, SMALLEST, SMALLEST_PART
+from coast_cli.diagnosis.thresholds import (
+    CURVATURE_PRIOR,
+    CURVATURE_TURN_PRIOR,
+    EFFECT_NATS,
+    END_EFFECT_SPREAD,
+    ENOUGH_EXPLAINED,
+    MODULUS_PRIOR,
+    SMALLEST,
+    SMALLEST_PART,
+)
 from coast_cli.effects.shapes.catalogue import SHAPE_CATALOGUE, build_shape_effects, in_order
 from coast_cli.effects.shapes.effect import Scene, ShapeEffect
 from coast_cli.mechanics.section import FloatArray
@@ -40,16 +49,10 @@ if TYPE_CHECKING:
     from coast_cli.recordings.model import ShapeRun
     from coast_cli.spec.config import Config
 
-_MODULUS_PRIOR = 0.5  # of the logarithm
 _MODULUS_RANGE = 8.0
-_CURVATURE_PRIOR = 0.5  # of the configured value, and at least ...
-_CURVATURE_TURN = 0.3  # ... this turn of the whole tube, rad
 _REACH = 8.0  # prior widths that one step of a fit may go
 
 
-# Standard deviation, from tube to tube, of the end effect about the table of sharp-cornered periodic cells: tubes solved
-# whole as 3-D solids need 1.00 to 1.10 of their cells' (examples/solid), and the corners of a laser's cut are round.
-END_EFFECT_SPREAD = 0.06
 _EFFORT = Effort(
     fitted=(9, 4),
     finished=(9, 4),
@@ -233,7 +236,7 @@ class ShapeProblem:
         lines = self.forward.lines(list(fresh.values()))
         found: dict[tuple[object, ...], FloatArray] = {}
         for (key, (index, _)), line in zip(fresh.items(), lines, strict=True):
-            across, along = misfit(self.photographs[index], line)
+            across, along = missed_by(self.photographs[index], line)
             rows = self.rows[index]
             found[key] = np.concatenate((across[0][rows[0]], along[0][rows[1]]))
         parts = [[found[key] if key in found else self._known[key] for key, _ in jobs] for jobs in wanted]
@@ -323,7 +326,7 @@ class ShapeProblem:
             )
         return tuple(found)
 
-    def candidates(self, parent: Sequence[Any], *, alone: bool) -> list[Candidate]:
+    def candidates(self, parent: Sequence[Any], *, alone: bool) -> list[Contender]:
         """Return what may be added to a set: of each effect the starts that let tubes differ stand by themselves."""
         taken = {effect.id for effect in parent} | self.carried | self.concealed
         found = []
@@ -333,7 +336,7 @@ class ShapeProblem:
             groups: dict[float, list[ShapeEffect]] = {}
             for start in kind.starts(self.scene):
                 groups.setdefault(float(getattr(start, "by_tube", 0.0)), []).append(start)
-            found += [Candidate(tuple(starts), expected=kind.rarity < 0.0) for starts in groups.values()]
+            found += [Contender(tuple(starts), expected=kind.rarity < 0.0) for starts in groups.values()]
         return found
 
     def ordered(self, effects: Sequence[Any]) -> tuple[Any, ...]:
@@ -437,7 +440,7 @@ def _moduli(config: Config, seen: set[int]) -> list[TubeParameter]:
             )
         else:
             low, high = max(given / _MODULUS_RANGE, 0.001), min(given * _MODULUS_RANGE, 1e4)
-            found.append(TubeParameter(key, given, low, high, _MODULUS_PRIOR, logarithmic=True, tubes=tuple(numbers)))
+            found.append(TubeParameter(key, given, low, high, MODULUS_PRIOR, logarithmic=True, tubes=tuple(numbers)))
     return found
 
 
@@ -452,7 +455,7 @@ def _curvatures(
         )
         name = "" if stock is None else stock.samples[place].name
         value = natural[number]
-        prior = max(_CURVATURE_PRIOR * abs(value), _CURVATURE_TURN / lengths[number])
+        prior = max(CURVATURE_PRIOR * abs(value), CURVATURE_TURN_PRIOR / lengths[number])
         reach = 8.0 * prior + abs(value)
         low, high = max(value - reach, -1000.0), min(value + reach, 1000.0)
         key = f"{role}.samples.{name}.natural_curvature_per_m"

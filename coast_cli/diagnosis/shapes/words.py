@@ -1,16 +1,17 @@
-"""What the answer on shapes says besides its figures: notes on its limits, and the photographs that are missing."""
+"""What the answer on shapes says besides its figures: notes on its shape_limits, and the photographs that are missing."""
 
 from __future__ import annotations
 
 from coast_cli.diagnosis.fit import Fit
-from coast_cli.diagnosis.shapes.problem import END_EFFECT_SPREAD, ShapeProblem
+from coast_cli.diagnosis.shapes.problem import ShapeProblem
+from coast_cli.diagnosis.thresholds import END_EFFECT_SPREAD
 
 HIDDEN_IN_MODULUS = ("notch_end_effect", "chord_section", "notch_depth_error", "gravity")
-AFTER_UNEXPLAINED = "the same tube once more unchanged, then turned by 90 degrees and clamped half as long"
+SAME_TUBE_AGAIN = "the same tube once more unchanged, then turned by 90 degrees and clamped half as long"
 ANOTHER_GEOMETRY = "another tube of the same material with another notch depth or cut length, both ways up"
 
 
-def limits(problem: ShapeProblem, *, agrees: bool) -> list[str]:
+def shape_limits(problem: ShapeProblem, *, agrees: bool) -> list[str]:
     """Return what the photographs cannot show, a sentence each."""
     notes = []
     if _one_way_up(problem):

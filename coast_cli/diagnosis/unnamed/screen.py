@@ -16,7 +16,7 @@ import numpy as np
 
 from coast_cli.diagnosis.fit import Fit
 from coast_cli.diagnosis.joint.problem import JointProblem
-from coast_cli.diagnosis.noise_model import COLOURS
+from coast_cli.diagnosis.noise_model import NOISE_COLOURS
 from coast_cli.diagnosis.unnamed.cells import Cell, Scene, cells_of
 from coast_cli.effects.effect import Effect, History, Segment
 from coast_cli.effects.unnamed import Place
@@ -134,7 +134,7 @@ def noise_colour(problem: JointProblem) -> int:
     memory = estimate.memory
     distance = [
         abs(m * (1.0 - w) - wanted[0]) + 0.3 * abs((1.0 - w) - wanted[1]) * (m > 0.0) + 0.1 * abs(m - memory)
-        for m, w in COLOURS
+        for m, w in NOISE_COLOURS
     ]
     return int(np.argmin(distance))
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from coast_cli.diagnosis.answer import Comparison, Diagnosis, Level, Named, Value
+from coast_cli.diagnosis.answer import Diagnosis, Level, Named, SideBySide, Value
 from coast_cli.diagnosis.locate import Region
 from coast_cli.effects.backlash import Backlash
 from coast_cli.errors import UsageError
@@ -49,7 +49,7 @@ PHYSICS = Diagnosis(
         "deadband_mm": Value(0.0, nan, at_bound=True),
     },
     configured={"youngs_modulus_gpa": 42.6, "deadband_mm": 1.2},
-    comparison=Comparison(
+    comparison=SideBySide(
         "curvature_per_m",
         ("large-40",),
         "the runs named",

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from coast_cli.diagnosis.noise_model import COLOURS, SMOOTH, NoiseBank
+from coast_cli.diagnosis.noise_model import NOISE_COLOURS, SMOOTH_COLOURS, NoiseBank
 from tests.modelled_joint import coloured
 
 
 def covariance(rows, colour):
-    memory, white = COLOURS[colour]
+    memory, white = NOISE_COLOURS[colour]
     lag = np.abs(rows[:, None] - rows)
     return (1.0 - white) * memory ** lag.astype(float) + white * np.eye(rows.size)
 
@@ -29,7 +29,7 @@ def test_no_other_colour_and_no_other_level_is_likelier():
     rows = np.arange(40)
     residual = coloured(np.random.default_rng(3), 40, 1.0, 0.7)
     found = NoiseBank([rows]).evidence(residual)
-    for colour in range(len(COLOURS)):
+    for colour in range(len(NOISE_COLOURS)):
         for level in found.level * np.array([0.6, 0.9, 1.0, 1.1, 1.6]):
             density = multivariate_normal(np.zeros(40), level**2 * covariance(rows, colour)).logpdf(residual)
             assert density <= found.log_likelihood + 1e-9
@@ -96,7 +96,7 @@ def test_whitened_noise_is_white_and_of_unit_level(memory):
 def test_columns_are_whitened_as_they_would_be_alone():
     values = np.random.default_rng(10).standard_normal((130, 3))
     bank = NoiseBank([np.arange(70), np.arange(60)])
-    for colour in (0, 7, len(COLOURS) - 1):
+    for colour in (0, 7, len(NOISE_COLOURS) - 1):
         together = bank.whiten(values, colour)
         for column in range(3):
             assert together[:, column] == pytest.approx(bank.whiten(values[:, column], colour), abs=1e-12)
@@ -111,7 +111,7 @@ def test_a_smooth_curve_is_told_from_noise_with_memory_and_back():
         nats = NoiseBank([rows], kernel="smooth").evidence(residual).log_likelihood
         nats -= NoiseBank([rows]).evidence(residual).log_likelihood
         assert (nats > 0.0) is smooth
-    assert len(SMOOTH) > 1
+    assert len(SMOOTH_COLOURS) > 1
 
 
 def test_nothing_recorded_has_no_evidence_and_zeros_no_trouble():

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from coast_cli.diagnosis.joint.calibrate import calibratable, fit, pose
+from coast_cli.diagnosis.joint.calibrate import calibratable, fit_parameters, pose
 from coast_cli.diagnosis.joint.calibration import calibrate
 from coast_cli.diagnosis.joint.problem import with_base
 from coast_cli.errors import BadInput
@@ -101,7 +101,9 @@ def test_tension_tells_the_tendon_from_the_tubes(config):
 
 def test_without_tension_the_tendon_is_held(config):
     runs = [sweep(config, "a", 0.02), sweep(config, "b", 0.04)]
-    whole = fit(pose(config, runs, calibratable(config, ["youngs_modulus_gpa", "tendon_youngs_modulus_gpa"])))
+    whole = fit_parameters(
+        pose(config, runs, calibratable(config, ["youngs_modulus_gpa", "tendon_youngs_modulus_gpa"]))
+    )
     assert [parameter.name for parameter, _ in whole.held] == ["tendon_youngs_modulus_gpa"]
 
 
