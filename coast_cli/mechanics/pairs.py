@@ -15,7 +15,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from coast_cli.mechanics.beam import solve_beams, solve_curvatures, solve_segments
+from coast_cli.mechanics.beam import solve_alike_curvatures, solve_beams, solve_curvatures, solve_segments
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.mechanics.tube import NotchedTube
 from coast_cli.mechanics.tubes import Rows, Tubes
@@ -103,10 +103,16 @@ def bent(tubes: Tubes, gravity: float, *, roll: FloatArray | float = 0.0, compil
     """
     length, rigidity, weight = tubes.pieces
     natural = np.broadcast_to(tubes.natural_curvature * np.cos(roll), tubes.size)
+    most = int(tubes.count.max())
+    alike = most if tubes.depth.shape[1] == 1 < most and np.all(tubes.count == most) else 0
     angle, converged = np.zeros((tubes.size, length.shape[1] + 1)), np.empty(tubes.size, dtype=bool)
     for part in _parts(tubes.size, length.shape[1], _SOLVED):
-        columns = length[part], rigidity[part], weight[part], natural[part, None]
-        solved = solve_curvatures(*columns, gravity=gravity, compiled=compiled)
+        if alike and not compiled:
+            one, two, three = (column[part] for column in tubes.per_notch)
+            solved = solve_alike_curvatures(one, two, three, natural[part], count=alike, gravity=gravity)
+        else:
+            columns = length[part], rigidity[part], weight[part], natural[part, None]
+            solved = solve_curvatures(*columns, gravity=gravity, compiled=compiled)
         np.cumsum(solved.curvature * length[part], axis=1, out=angle[part, 1:])
         converged[part] = solved.converged
     return BentTubes(
@@ -266,7 +272,9 @@ class _Common:
         left = np.minimum(np.searchsorted(ends, nodes, side="right"), ends.size - 1) - 1
         share = (nodes - ends[left]) / np.diff(ends)[left]
         angle = tubes.angle[rows]
-        at_nodes = angle[:, left] + share * (angle[:, left + 1] - angle[:, left])
+        at_nodes = angle[:, left]
+        if np.any(share):
+            at_nodes = at_nodes + share * (angle[:, left + 1] - at_nodes)
         rigidity = tubes.rigidity[rows][:, own] * there
         across = tubes.across[rows, None]
         return _Pieces(

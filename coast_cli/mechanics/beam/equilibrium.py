@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from coast_cli.mechanics.beam.hanging import MOST_NUMBER
+from coast_cli.mechanics.beam.periodic import PeriodicProblem
 from coast_cli.mechanics.beam.problem import BeamProblem
 from coast_cli.mechanics.beam.solve import solve_plain_turns, solve_problem
 from coast_cli.mechanics.section import FloatArray
@@ -288,6 +289,44 @@ def solve_curvatures(
     if left.size > 0:
         natural = np.broadcast_to(natural_curvature, length.shape)[left]
         rest = solve_segments(length[left], rigidity[left], weight[left], natural, gravity=(0.0, -gravity))
+        curvature[left], converged[left] = rest.curvature, rest.converged
+    return BeamCurvatures(curvature, converged)
+
+
+def solve_alike_curvatures(
+    length: FloatArray,
+    rigidity: FloatArray,
+    weight: FloatArray,
+    natural_curvature: FloatArray,
+    *,
+    count: int,
+    gravity: float,
+) -> BeamCurvatures:
+    """Return what ``solve_curvatures`` does for beams of ``count`` alike pitches of two pieces, at less cost.
+
+    Args:
+        length, rigidity, weight: of the pieces of one pitch, shape (m, 2). natural_curvature: of each beam, (m,).
+    """
+    nothing = np.zeros(len(length))
+    rows = [np.ascontiguousarray(column.T) for column in (length, rigidity, weight)]
+    with np.errstate(all="ignore"):  # what overflows is left to solve_segments
+        pitch = BeamProblem(
+            length=rows[0],
+            flexibility=rows[0] / rows[1],
+            bend=rows[0] * natural_curvature,
+            load=rows[0] * rows[2] * gravity,
+            thrust=nothing,
+            shear=nothing,
+            moment=nothing,
+            base=nothing,
+        )
+        turns, converged = solve_plain_turns(PeriodicProblem(pitch, count))
+        turns.reshape(count, 2, -1)[:] /= rows[0]
+    curvature = turns.T
+    left = np.flatnonzero(~converged)
+    if left.size > 0:
+        one, two, three = (np.tile(column[left], (1, count)) for column in (length, rigidity, weight))
+        rest = solve_segments(one, two, three, natural_curvature[left, None], gravity=(0.0, -gravity))
         curvature[left], converged[left] = rest.curvature, rest.converged
     return BeamCurvatures(curvature, converged)
 

@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import cos, sin
+from typing import TYPE_CHECKING, TypeAlias, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,8 +24,13 @@ from coast_cli.mechanics.beam.step import (
 )
 from coast_cli.mechanics.section import FloatArray
 
+if TYPE_CHECKING:
+    from coast_cli.mechanics.beam.periodic import PeriodicProblem
+
+AnyProblem: TypeAlias = Union["BeamProblem", "PeriodicProblem"]
 Piece = tuple[Number, Number, Number, Number]
 
+Column = tuple[FloatArray, FloatArray, FloatArray]
 _MOST_PARTS = 20_000  # of one piece
 _FEW_TRIALS = 16
 
@@ -111,24 +117,37 @@ class BeamProblem:
         parts: NDArray[np.int64] = np.ceil(np.max(most, axis=1, initial=0.0) / turn).astype(np.int64)
         return np.clip(parts, 1, _MOST_PARTS)
 
-    def turns_little(self, turn: float, moment: FloatArray) -> list[bool]:
-        """Return of which pieces none turns by more than ``turn`` (rad), from tip to clamp; as ``parts`` has it."""
-        force = np.hypot(self.thrust, self.shear) + np.sum(np.abs(self.load), axis=0)
-        by_force = 4.0 * np.max(self.length * self.flexibility * force, axis=1, initial=0.0)
-        by_moment = np.max(np.abs(self.bend) + self.flexibility * moment, axis=1, initial=0.0)
-        little: list[bool] = (np.maximum(np.sqrt(by_force), by_moment) <= turn).tolist()
-        return little[::-1]
+    @cached_property
+    def whole_load(self) -> FloatArray:
+        """Size of all forces, N."""
+        force: FloatArray = np.hypot(self.thrust, self.shear) + np.sum(np.abs(self.load), axis=0)
+        return force
+
+    @property
+    def piece_count(self) -> int:
+        """Number of pieces."""
+        return len(self.length)
+
+    def turn_bounds(self, moment: FloatArray, force: FloatArray | None = None) -> FloatArray:
+        """Return for each piece and beam what bounds its turn, as ``parts`` has it, shape (n, m), rad.
+
+        Args:
+            moment: bounds the internal moment, N m. force: the internal force, N; that of ``whole_load`` if left out.
+        """
+        by_force = 2.0 * np.sqrt(self.length * self.flexibility * (self.whole_load if force is None else force))
+        bounds: FloatArray = np.maximum(np.abs(self.bend) + self.flexibility * moment, by_force)
+        return bounds
 
     def divided(self, parts: NDArray[np.int64]) -> BeamProblem:
         """Return the same beams with piece i cut into ``parts[i]`` equal pieces."""
         if np.all(parts == 1):
             return self
-        return self._with(lambda column: np.repeat(column / parts[:, None], parts, axis=0))
+        return self.changed(lambda column: np.repeat(column / parts[:, None], parts, axis=0))
 
     def picked(self, beams: NDArray[np.int64]) -> BeamProblem:
         """Return some of many beams."""
         return replace(
-            self._with(lambda column: column[:, beams]),
+            self.changed(lambda column: column[:, beams]),
             **{name: getattr(self, name)[beams] for name in ("thrust", "shear", "moment", "base")},
         )
 
@@ -138,7 +157,7 @@ class BeamProblem:
         The new ends lie in the middle of every 2k-th piece, so that each cell of a periodic tube is symmetric; a tip
         angle of it errs by 1e-5 to 1e-4 rad on the reference tubes.
         """
-        chosen = self._cell_ends(cells)
+        chosen = cell_ends(self.piece_count, cells)
         if chosen.size == 0:
             return self
 
@@ -147,40 +166,27 @@ class BeamProblem:
             cells = np.add.reduceat(column[:last], chosen[:-1], axis=0)
             return np.concatenate((half[:1], cells - half[:-1] + half[1:], half[-1:], column[last + 1 :]))
 
-        return self._with(merged)
+        return self.changed(merged)
 
     def ripple(self, cells: int) -> Ripple:
         """Return what homogenising into ``cells`` leaves out, for each piece of ``coarse``.
 
         The first pitch of a cell stands for its others: half a piece, the next, and half the one after.
         """
-        chosen = self._cell_ends(cells)
+        chosen = cell_ends(self.piece_count, cells)
         if chosen.size == 0:
             return Ripple(*np.zeros((4, *self.length.shape)))
-        first, second, third = chosen[:-1], chosen[:-1] + 1, chosen[:-1] + 2
-        length, turn, weight = (
-            (column[first] / 2.0, column[second], column[third] / 2.0)
-            for column in (self.length, self.flexibility, self.load)
+        found = Ripple(*np.zeros((4, self.piece_count - chosen[-1] + chosen.size, self.count)))
+        first = chosen[:-1]
+        columns = self.length, self.flexibility, self.load
+        found.fill(
+            slice(1, chosen.size),
+            *((column[first] / 2.0, column[first + 1], column[first + 2] / 2.0) for column in columns),
         )
-        whole = length[0] + length[1] + length[2]
-        # From end to end both go up and down by as much, so that they are straight lines through zero in between.
-        excess = turn[0] - (turn[0] + turn[1] + turn[2]) / whole * length[0]
-        heavier = weight[0] - (weight[0] + weight[1] + weight[2]) / whole * length[0]
-        inside = (length[0] * (length[0] / 3.0 + length[1] / 2.0) + length[1] * length[1] / 6.0) / whole
-        found = Ripple(*np.zeros((4, self.length.shape[0] - chosen[-1] + chosen.size, self.count)))
-        cell = slice(1, chosen.size)
-        found.square[cell], found.product[cell] = excess * excess / 3.0, excess * heavier / 3.0
-        found.turned[cell], found.pulled[cell] = -excess * inside, -heavier * inside
         return found
 
-    def _cell_ends(self, cells: int) -> NDArray[np.int64]:
-        """Return the pieces in whose middle cells end; none where there are too few pieces for cells."""
-        count = self.length.shape[0]
-        if count <= 2 * cells:
-            return np.zeros(0, dtype=np.int64)
-        return np.array(sorted(set(np.linspace(0, (count - 1) // 2, cells).round().astype(int).tolist()))) * 2
-
-    def _with(self, change: Callable[[FloatArray], FloatArray]) -> BeamProblem:
+    def changed(self, change: Callable[[FloatArray], FloatArray]) -> BeamProblem:
+        """Return the same loads on other pieces: ``change`` is applied to length, flexibility, bend and load."""
         names = ("length", "flexibility", "bend", "load")
         return replace(self, **{name: change(getattr(self, name)) for name in names})
 
@@ -201,6 +207,16 @@ class Ripple:
     product: FloatArray
     turned: FloatArray
     pulled: FloatArray
+
+    def fill(self, cells: slice, length: Column, turn: Column, weight: Column) -> None:
+        """Find what varies from piece to piece of symmetric pitches, given by a half piece, a piece and a half piece."""
+        whole = length[0] + length[1] + length[2]
+        # From end to end both go up and down by as much, so that they are straight lines through zero in between.
+        excess = turn[0] - (turn[0] + turn[1] + turn[2]) / whole * length[0]
+        heavier = weight[0] - (weight[0] + weight[1] + weight[2]) / whole * length[0]
+        inside = (length[0] * (length[0] / 3.0 + length[1] / 2.0) + length[1] * length[1] / 6.0) / whole
+        self.square[cells], self.product[cells] = excess * excess / 3.0, excess * heavier / 3.0
+        self.turned[cells], self.pulled[cells] = -excess * inside, -heavier * inside
 
     @property
     def pieces(self) -> Sequence[Piece]:
@@ -307,8 +323,15 @@ def march_rippled(
     return tip_angle + total + off - problem.base, np.atleast_1d(slope), largest
 
 
+def cell_ends(count: int, cells: int) -> NDArray[np.int64]:
+    """Return in the middle of which of ``count`` pieces cells end; none where there are too few pieces for cells."""
+    if count <= 2 * cells:
+        return np.zeros(0, dtype=np.int64)
+    return np.array(sorted(set(np.linspace(0, (count - 1) // 2, cells).round().astype(int).tolist()))) * 2
+
+
 def march_turns(
-    problem: BeamProblem, tip_angle: FloatArray, turns_little: Sequence[bool]
+    problem: AnyProblem, tip_angle: FloatArray, turns_little: Sequence[bool]
 ) -> tuple[FloatArray, FloatArray]:
     """March from tip angles (rad), shape (m,), and correct to first order.
 
@@ -320,10 +343,10 @@ def march_turns(
     """
     thrust, shear, moment = problem.tip_loads
     cosine, sine = rotation(problem, tip_angle)
-    turns, slopes = np.empty_like(problem.length), np.ones((problem.length.shape[0] + 1, problem.count))
+    node = problem.piece_count
+    turns, slopes = np.empty((node, problem.count)), np.ones((node + 1, problem.count))
     total = 0.0 * tip_angle
     slope, moment_slope = total + 1.0, total
-    node = problem.length.shape[0]
     for (length, flexibility, bend, load), little in zip(problem.pieces, turns_little, strict=True):
         node -= 1
         step = segment_turn_short if little else segment_turn
@@ -358,7 +381,7 @@ def march_shape(problem: BeamProblem, cosine: Number, sine: Number, trace: Trace
     return total, slope
 
 
-def rotation(problem: BeamProblem, angle: FloatArray) -> tuple[Number, Number]:
+def rotation(problem: AnyProblem, angle: FloatArray) -> tuple[Number, Number]:
     """Return cosine and sine of the beams' tip angles, as a march takes them."""
     if problem.count == 1 and angle.size == 1:
         return cos(angle.item()), sin(angle.item())

@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 
 from coast_cli.mechanics.beam.continuation import follow
 from coast_cli.mechanics.beam.hanging import FIRST_NUMBER, MOST_NUMBER, follow_down
-from coast_cli.mechanics.beam.problem import BeamProblem, Trace, march_shape, march_turns, rotation
+from coast_cli.mechanics.beam.problem import AnyProblem, BeamProblem, Trace, march_shape, march_turns, rotation
 from coast_cli.mechanics.beam.start import Start, find_start
 from coast_cli.mechanics.section import FloatArray
 
 FINE_TURN = 0.04  # rad a step at most: a beam then errs by 1e-12 of its length
-SHORT_TURN = 0.02  # rad a step of order 4 at most, which leaves 1e-11
+SHORT_TURN = 0.01  # rad a step of order 4 at most, which leaves 1e-12
 LAST_CHANGE = 1e-7  # rad; a last correction this small is applied to first order
 ONLY_CHANGE = 1e-5  # rad; the same where turns to 1e-9 are enough and one march is all
 CLAMP_TOLERANCE = 1e-10  # rad
@@ -103,21 +103,23 @@ def _solve_hanging(problem: BeamProblem, result: Equilibria, beam: int) -> None:
         result.turned_at[beam] = turned[-1] * FIRST_NUMBER / number
 
 
-def solve_plain_turns(problem: BeamProblem) -> tuple[FloatArray, NDArray[np.bool_]]:
+def solve_plain_turns(problem: AnyProblem) -> tuple[FloatArray, NDArray[np.bool_]]:
     """Return the turn of each piece, rad, shape (n, m), by one march, and for which beams that is enough, (m,).
 
     Enough are fine pieces, one equilibrium, and a coarse start so near that the turns are right to 1e-9 of the largest.
     """
     start = find_start(problem)
-    plain = start.found & (start.equilibria == 1) & (start.turned_at == 1.0) & (_fineness(problem, start) == 0)
-    turns, change = march_turns(problem, start.tip_angle, problem.turns_little(SHORT_TURN, start.moment))
+    bounds = problem.turn_bounds(start.moment)
+    little = (np.max(bounds, axis=1, initial=0.0) <= SHORT_TURN).tolist()
+    plain = start.found & (start.equilibria == 1) & (start.turned_at == 1.0) & (_fineness(bounds) == 0)
+    turns, change = march_turns(problem, start.tip_angle, little[::-1])
     return turns, plain & (np.abs(change) <= ONLY_CHANGE) & np.isfinite(turns).all(axis=0)
 
 
 def _solve_into(problem: BeamProblem, result: Equilibria) -> None:
     start = find_start(problem)
     result.equilibria[:], result.turned_at[:] = start.equilibria, start.turned_at
-    level = _fineness(problem, start)
+    level = _fineness(problem.turn_bounds(start.moment))
     for fineness in sorted(set(level[start.found].tolist())):
         alike = np.flatnonzero(start.found & (level == fineness))
         together = max(_FEW, min(_TOGETHER, _NUMBERS // problem.length.shape[0]))
@@ -126,12 +128,9 @@ def _solve_into(problem: BeamProblem, result: Equilibria) -> None:
             _solve_alike(problem.picked(beams), start.picked(beams), result, beams, divide=bool(fineness > 0))
 
 
-def _fineness(problem: BeamProblem, start: Start) -> NDArray[np.int64]:
+def _fineness(bounds: FloatArray) -> NDArray[np.int64]:
     """Return the power of two by which the longest turn exceeds one step; beams of one power are cut alike."""
-    softest = np.max(problem.flexibility, axis=0)
-    force = np.sum(np.abs(problem.load), axis=0) + np.hypot(problem.thrust, problem.shear)
-    by_force = 2.0 * np.sqrt(np.max(problem.length, axis=0) * softest * force)
-    most = np.maximum(np.max(np.abs(problem.bend), axis=0) + softest * start.moment, by_force)
+    most = np.max(bounds, axis=0, initial=0.0)
     level: NDArray[np.int64] = np.ceil(np.log2(np.maximum(most / FINE_TURN, 1.0))).astype(np.int64)
     return level
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coast_cli.mechanics.beam.continuation import follow
-from coast_cli.mechanics.beam.problem import BeamProblem, Ripple, clamp_error, march_rippled
+from coast_cli.mechanics.beam.problem import AnyProblem, BeamProblem, Ripple, clamp_error, march_rippled
 from coast_cli.mechanics.roots import increasing_root
 from coast_cli.mechanics.section import FloatArray
 
@@ -56,7 +56,7 @@ class Start:
         return Start(*(getattr(self, item.name)[beams] for item in fields(self)))
 
 
-def find_start(problem: BeamProblem) -> Start:
+def find_start(problem: AnyProblem) -> Start:
     """Return where to start each of m beams."""
     coarse = problem.coarse(COARSE_CELLS)
     natural = np.sum(np.abs(coarse.bend) + coarse.flexibility * np.abs(coarse.moment), axis=0)

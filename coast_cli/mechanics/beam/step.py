@@ -96,7 +96,7 @@ def segment_turn_short(
 ) -> tuple[Number, Number, Number, Number, Forces, Series]:
     """Cross one segment as ``segment_turn`` does, to order 4 along the beam, at half the cost.
 
-    Where segments turn by at most 0.02 rad the turn is right to 1e-11; of the series, what the tangent takes is given.
+    Where segments turn by at most 0.01 rad the turn is right to 1e-12; of the series, what the tangent takes is given.
     """
     a = shear * cosine + thrust * sine
     b = thrust * cosine - shear * sine

@@ -6,7 +6,14 @@ from hypothesis import Phase, example, given, settings
 from hypothesis import strategies as st
 
 from coast_cli.mechanics.beam import equilibrium as beam_module
-from coast_cli.mechanics.beam import solve_beam, solve_beams, solve_curvatures, solve_segments, solve_tips
+from coast_cli.mechanics.beam import (
+    solve_alike_curvatures,
+    solve_beam,
+    solve_beams,
+    solve_curvatures,
+    solve_segments,
+    solve_tips,
+)
 from coast_cli.mechanics.section import full_section, notched_section
 from coast_cli.mechanics.tube import NotchedTube
 
@@ -203,6 +210,23 @@ def test_compiled_curvatures_equal_the_full_solution():
     length = np.broadcast_to(length, columns[0].shape)
     found = solve_curvatures(length, *columns, gravity=GRAVITY, compiled=True)
     whole = solve_segments(length, *columns, gravity=(0.0, -GRAVITY))
+    assert np.array_equal(found.converged, whole.converged)
+    error = np.max(np.abs(found.curvature - whole.curvature), axis=1)
+    assert np.all(error <= 1e-9 * np.max(np.abs(whole.curvature), axis=1))
+
+
+@pytest.mark.parametrize("count", [1, 3, 40, 188])
+def test_alike_pitches_bend_as_all_their_pieces(count):
+    rng = np.random.default_rng(9)
+    made = [
+        tube(count, k, depth * 0.2e-3)
+        for k, depth in zip(rng.uniform(-15, 15, 60), rng.uniform(1.2, 1.93, 60), strict=True)
+    ]
+    pieces = [one.segments for one in made]
+    columns = [np.stack([getattr(piece, name) for piece in pieces]) for name in ("length", "rigidity", "weight")]
+    natural = np.array([one.natural_curvature for one in made])
+    found = solve_alike_curvatures(*(column[:, :2] for column in columns), natural, count=count, gravity=GRAVITY)
+    whole = solve_segments(*columns, natural[:, None], gravity=(0.0, -GRAVITY))
     assert np.array_equal(found.converged, whole.converged)
     error = np.max(np.abs(found.curvature - whole.curvature), axis=1)
     assert np.all(error <= 1e-9 * np.max(np.abs(whole.curvature), axis=1))
