@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -40,6 +40,9 @@ def stroke(
     x2: Annotated[str, typer.Option("--x2", help="bending lengths, mm: as for --kappa")],
     stroke: Annotated[str | None, typer.Option(help="strokes, mm, instead of curvatures: what they reach")] = None,
     pair: PairOption = None,
+    branch: Annotated[
+        Literal["load", "release"], typer.Option(help="the way up, or the way back from the largest --kappa")
+    ] = "load",
     tolerances: Annotated[
         bool, typer.Option("--tolerances", help="bands also of how the tubes are made, by [tolerances] or its defaults")
     ] = False,
@@ -59,7 +62,8 @@ def stroke(
 ) -> None:
     """Print the stroke, tension, strain and tip for curvatures and bending lengths; --stroke inverts.
 
-    Valid for increasing stroke: on release the real joint lags. A calibrated or diagnosed model gives its 90 % band.
+    Valid for increasing stroke: on release the real joint lags, and --branch release asks a corrected model for it. A
+    calibrated or diagnosed model gives its 90 % band.
     """
     from coast_cli.design.bands import alternatives, told_of
     from coast_cli.design.stroke import stroke_table
@@ -97,6 +101,7 @@ def stroke(
         checks=document.checks,
         alternatives=others,
         steps_per_mm=steps,
+        release=branch == "release",
     )
     controller = [path for path in output or () if path.suffix.lower() in FOR_CONTROLLERS]
     beside: Mapping[Path, Writer] = {}
@@ -104,7 +109,9 @@ def stroke(
         from coast_cli.design.stroke_grid import stroke_grid
         from coast_cli.output.controller import writers
 
-        grid = stroke_grid(joint, lengths, **drives, effects=design.effects, steps_per_mm=steps)
+        grid = stroke_grid(
+            joint, lengths, **drives, effects=design.effects, steps_per_mm=steps, release=branch == "release"
+        )
         beside = writers(grid, controller, document, design.pair(pair))
         notes = (*notes, f"between the nodes of the controller's table lines are off by at most {grid.told_error}.")
     if plot is not None:
@@ -112,7 +119,8 @@ def stroke(
 
         plot_strokes(columns).write(plot)
     notes = (*design.notes, *design.uncorrected_joint, *notes, *told_of(document, tolerances=tolerances))
-    origin = provenance(document, options={"tolerances": True} if tolerances else None)
+    options = ({"tolerances": True} if tolerances else {}) | ({"branch": branch} if branch != "load" else {})
+    origin = provenance(document, options=options)
     answer = Answer("stroke", Columns(columns), origin, notes)
     pages = [path for path in output or () if path not in controller]
     write_answer(answer, format, pages, beside=beside)

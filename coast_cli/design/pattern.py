@@ -60,7 +60,7 @@ def notch_pattern(tube: NotchedTube, kerf: float = 0.0) -> Pattern:
         notch = int(np.argmin(narrowest))
         raise BadInput(
             f"a kerf as wide as notch {notch + 1} of {tube.name} leaves no path inside it",
-            key="--kerf",
+            key="kerf",
             found=f"{kerf / MILLIMETRE:g} mm",
             allowed=f"below {narrowest[notch] / MILLIMETRE:.4g} mm",
         )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from coast_cli.design.bands import WIDTH_90, Alternative
 from coast_cli.design.loading import acting_on_load, corrected_stroke
 from coast_cli.design.memory import STROKE_ROW, require_memory
 from coast_cli.design.reach import PLATEAU_STRAIN, Pulled, Webs, softens, tendon_limits, web_limits
+from coast_cli.design.released import released_stroke
 from coast_cli.effects.effect import Effect
 from coast_cli.errors import NotConverged, UsageError
 from coast_cli.mechanics.joint import Joint, StrokeSolution, curvature_from_stroke, stroke, tension, tip
@@ -19,6 +20,7 @@ from coast_cli.mechanics.verdict import Verdict
 from coast_cli.spec.config import Checks
 from coast_cli.units import MILLIMETRE
 
+Way = Literal["load", "release", "inverse"]
 LARGEST_DRIVE = 1e5  # 1/m or m: a circle smaller than any tube, a tendon longer than any
 
 
@@ -39,6 +41,7 @@ def stroke_table(
     checks: Checks | None = None,
     alternatives: Sequence[Alternative] = (),
     steps_per_mm: float | None = None,
+    release: bool = False,
 ) -> StrokeTable:
     """Return every curvature (or stroke) with every bending length, the length slowest.
 
@@ -51,16 +54,20 @@ def stroke_table(
         checks: whose limits on stroke, tendon and webs are noted where a row passes them.
         alternatives: what may be otherwise of the joint; it gives 90 % bands of what is answered.
         steps_per_mm: of the actuator's motor.
+        release: whether curvatures are held on the way back from the largest of them.
 
     Raises:
-        UsageError: a value the joint cannot take, or more rows than there is memory for.
+        UsageError: a value or a release branch that the joint does not have, or more rows than there is memory for.
         NotConverged: the inverse found no curvature.
     """
     _check(joint, bending_lengths, curvatures or strokes)
     require_memory(len(bending_lengths) * len(curvatures or strokes), STROKE_ROW * (1 + len(alternatives)), "strokes")
     length, drive = (grid.ravel() for grid in np.meshgrid(bending_lengths, curvatures or strokes, indexing="ij"))
     acting, left_out = acting_on_load(effects)
-    solution = _solve(joint, acting, length, drive, inverse=bool(strokes))
+    if release and strokes:
+        raise UsageError("branch release: strokes are inverted on the loading branch only; give curvatures.")
+    way: Way = "inverse" if strokes else "release" if release else "load"
+    solution = _solve(joint, acting, length, drive, way)
     tip_x, tip_y = tip(solution.curvature, length)
     known = joint.tendon is not None
     columns: dict[str, Any] = {
@@ -74,7 +81,7 @@ def stroke_table(
         "tip_x_mm": tip_x / MILLIMETRE,
         "tip_y_mm": tip_y / MILLIMETRE,
         "stroke_steps": _steps(solution, steps_per_mm),
-        **_bands(solution, alternatives, length, drive, inverse=bool(strokes)),
+        **_bands(solution, alternatives, length, drive, way),
     }
     if min(bending_lengths) < joint.pitch:
         left_out = (*left_out, f"a bending length is below one pitch, {joint.pitch / MILLIMETRE:g} mm: is it in mm?")
@@ -83,12 +90,12 @@ def stroke_table(
     return StrokeTable(columns, notes)
 
 
-def _solve(
-    joint: Joint, acting: Sequence[Effect], length: FloatArray, drive: FloatArray, *, inverse: bool
-) -> StrokeSolution:
+def _solve(joint: Joint, acting: Sequence[Effect], length: FloatArray, drive: FloatArray, way: Way) -> StrokeSolution:
+    if way == "release":
+        return released_stroke(joint, acting, length, drive)
     if acting:
-        solution = corrected_stroke(joint, acting, length, drive, inverse=inverse)
-    elif inverse:
+        solution = corrected_stroke(joint, acting, length, drive, inverse=way == "inverse")
+    elif way == "inverse":
         solution = curvature_from_stroke(joint, drive, length)
     elif joint.tendon is not None:
         return stroke(joint, drive, length)
@@ -114,22 +121,22 @@ def _bands(
     alternatives: Sequence[Alternative],
     length: FloatArray,
     drive: FloatArray,
-    *,
-    inverse: bool,
+    way: Way,
 ) -> dict[str, Sequence[float | None]]:
-    """Return the ends of the 90 % bands of strokes, or with ``inverse`` of curvatures; no values without alternatives."""
+    """Return the ends of the 90 % bands of strokes, or of inverted ones of curvatures; no values without alternatives."""
     names = ("stroke_low_mm", "stroke_high_mm", "curvature_low_per_m", "curvature_high_per_m")
     columns: dict[str, Sequence[float | None]] = {name: [None] * length.size for name in names}
     if not alternatives:
         return columns
-    middle, (low, high) = (solution.curvature, names[2:]) if inverse else (solution.stroke / MILLIMETRE, names[:2])
+    middle, (low, high) = (
+        (solution.curvature, names[2:]) if way == "inverse" else (solution.stroke / MILLIMETRE, names[:2])
+    )
     variance = np.zeros(length.size)
     for one in alternatives:
         below, above = (
-            _solve(joint, acting_on_load(effects)[0], length, drive, inverse=inverse)
-            for joint, effects in (one.below, one.above)
+            _solve(joint, acting_on_load(effects)[0], length, drive, way) for joint, effects in (one.below, one.above)
         )
-        change = above.curvature - below.curvature if inverse else (above.stroke - below.stroke) / MILLIMETRE
+        change = above.curvature - below.curvature if way == "inverse" else (above.stroke - below.stroke) / MILLIMETRE
         variance += (change / 2.0) ** 2
     half = WIDTH_90 * np.sqrt(variance)
     columns[low], columns[high] = _known(np.maximum(middle - half, 0.0)), _known(middle + half)

@@ -1,6 +1,6 @@
 """Stroke tables for a controller: a grid of the joint model, and how far straight lines between its nodes are off.
 
-The grid is that of a loading branch. Between nodes a controller interpolates on both axes (bilinear); the error is the
+The grid is that of one branch, load or release. Between nodes a controller interpolates on both axes (bilinear); the error is the
 largest on a finer grid of the model itself, with a tenth more for what lies between its points.
 """
 
@@ -33,7 +33,7 @@ class StrokeGrid:
         drive_name, value_name: the axis and what the table has, with units: curvature_per_m and stroke_mm, or the reverse.
         bending_length_mm: (m,). drive: (n,), both rising. value: (m, n), as single precision numbers.
         steps: of the motor, (m, n) whole numbers; None without [actuator] or of curvatures.
-        max_error: largest interpolation error, in the unit of the value.
+        max_error: largest interpolation error, in the unit of the value. branch: load or release.
     """
 
     drive_name: str
@@ -43,6 +43,7 @@ class StrokeGrid:
     value: FloatArray
     steps: FloatArray | None
     max_error: float
+    branch: str = "load"
 
     @property
     def told_error(self) -> str:
@@ -73,6 +74,7 @@ def stroke_grid(
     strokes: Sequence[float] = (),
     effects: Sequence[Effect] = (),
     steps_per_mm: float | None = None,
+    release: bool = False,
 ) -> StrokeGrid:
     """Return the table of a joint; arguments as for ``stroke_table``, and the motor's steps for one mm of stroke.
 
@@ -86,7 +88,7 @@ def stroke_grid(
 
     def values(lengths: FloatArray, drives: FloatArray) -> FloatArray:
         given = {"strokes": drives.tolist()} if inverse else {"curvatures": drives.tolist()}
-        found: StrokeTable = stroke_table(joint, lengths.tolist(), effects=effects, **given)
+        found: StrokeTable = stroke_table(joint, lengths.tolist(), effects=effects, release=release, **given)
         column = found.columns["curvature_per_m" if inverse else "stroke_mm"]
         return np.array([np.nan if value is None else value for value in column]).reshape(lengths.size, -1)
 
@@ -95,7 +97,7 @@ def stroke_grid(
         row, place = np.argwhere(np.isnan(table))[0]
         raise UsageError(
             f"no pull holds {drive[place]:g} 1/m at X2 {length[row] / MILLIMETRE:g} mm, and a table for a controller has no "
-            "gaps: give curvatures that the loading branch reaches."
+            "gaps: give curvatures that the branch reaches."
         )
     rounded = table.astype(np.float32).astype(float)
     finer = _between(length, _FINER[1]), _between(drive, _FINER[0])
@@ -104,7 +106,7 @@ def stroke_grid(
     known = None if inverse or steps_per_mm is None else np.rint(rounded * steps_per_mm)
     names = ("stroke_mm", "curvature_per_m") if inverse else ("curvature_per_m", "stroke_mm")
     axis = drive / MILLIMETRE if inverse else drive
-    return StrokeGrid(*names, length / MILLIMETRE, axis, rounded, known, error)
+    return StrokeGrid(*names, length / MILLIMETRE, axis, rounded, known, error, "release" if release else "load")
 
 
 def _check(joint: Joint, drive: FloatArray, length: FloatArray) -> None:

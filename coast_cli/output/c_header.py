@@ -42,7 +42,7 @@ def write_c_header(grid: StrokeGrid, origin: TableOrigin, stream: IO[Any]) -> No
     """Write the header."""
     error = np.nextafter(np.float32(grid.max_error), np.float32(np.inf))
     lines = [
-        f"/* {grid.value_name} of {_comment(origin.pair)} over {grid.drive_name} and X2 (mm), loading branch.",
+        f"/* {grid.value_name} of {_comment(origin.pair)} over {grid.drive_name} and X2 (mm), on {grid.branch}.",
         f"   Written by coast {__version__} from {_comment(origin.source)}, sha256 {origin.digest}.",
         f"   Between the nodes bilinear: off by at most {grid.told_error} from the model. COAST_CRC32 is of the table",
         "   as little-endian single precision numbers, the bending length slowest. */",

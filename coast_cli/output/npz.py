@@ -18,6 +18,7 @@ def write_npz(grid: StrokeGrid, origin: TableOrigin, stream: IO[Any]) -> None:
         grid.value_name: grid.value,
         "max_error": grid.max_error,
         "crc32": np.uint32(grid.checksum),
+        "branch": grid.branch,
         "pair": origin.pair,
         "config": origin.source,
         "config_sha256": origin.digest,

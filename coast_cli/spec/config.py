@@ -289,7 +289,7 @@ class Config(Document):
     )
 
     actuator: Actuator | None = Field(None, description="the motor that pulls the tendon")
-    fitted: Fitted | None = Field(None, description="how sure fitted numbers are, as --save-model wrote it")
+    fitted: Fitted | None = Field(None, description="how sure fitted numbers are, as a saved model has it")
 
     _origin: Origin = PrivateAttr(default_factory=Origin)
 

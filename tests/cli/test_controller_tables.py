@@ -136,3 +136,18 @@ def test_a_table_that_a_controller_cannot_use_is_refused_and_not_written(
     assert (ran.code, ran.out) == (2, "")
     assert told in ran.err
     assert sorted(path.name for path in tmp_path.iterdir()) == ["robot.toml"]
+
+
+def test_the_way_back_is_a_table_of_its_own_where_the_model_has_one(coast, configured, tmp_path):
+    words = ("--kappa", "10:40:10", "--x2", "20,40", "--branch", "release")
+    play = configured("\n[corrections.backlash]\nwidth_mm = 0.2\n")
+    assert coast("stroke", play, *words, "-o", tmp_path / "table.h").code == 0
+    assert "on release." in (tmp_path / "table.h").read_text()
+    back = answers(tmp_path, "stroke_mm", [(20.0, 20.0)])[0]
+    assert coast("stroke", play, *words[:4], "-o", tmp_path / "table.h").code == 0
+    assert back == pytest.approx(answers(tmp_path, "stroke_mm", [(20.0, 20.0)])[0] - 0.2, abs=2e-3)
+    (tmp_path / "table.h").unlink()
+    ran = coast("stroke", configured(), *words, "-o", tmp_path / "table.h")
+    assert ran.code == 2
+    assert "branch release: there is no such branch" in ran.err
+    assert not (tmp_path / "table.h").exists()

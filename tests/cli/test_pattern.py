@@ -67,7 +67,7 @@ def test_the_drawing_is_read_back_by_another_program(coast, reference, tmp_path)
 def test_a_kerf_wider_than_the_cut_is_refused(coast, reference, tmp_path, kerf):
     ran = coast("pattern", reference, "--tube", "OT4", "--kerf", kerf, "-o", tmp_path / "x.dxf")
     assert ran.code == 3
-    assert "--kerf: a kerf as wide as notch 1 of OT4 leaves no path inside it" in ran.err
+    assert "kerf: a kerf as wide as notch 1 of OT4 leaves no path inside it" in ran.err
     assert not list(tmp_path.iterdir())
 
 
