@@ -124,17 +124,19 @@ def judge(
 def describe(diagnosis: dict[str, Any], effects: list[dict[str, Any]]) -> tuple[bool, bool, bool, bool]:
     """Return whether stage, variable, memory and rate of the law given are right; of two laws the better told counts.
 
-    A list of more than two stages or variables tells nothing.
+    An answer lists what it cannot tell apart: a list is right that holds the truth and at most one word that is wrong.
     """
     law = diagnosis.get("unnamed") or {}
     best = (False, False, False, False)
     for effect in effects if diagnosis.get("verdict") in ("unnamed", "ambiguous") else ():
         nature = effect["nature"]
-        stages, variables = list(law.get("stages") or ()), list(law.get("variables") or ())
-        words = {str(word) for entry in variables for word in str(entry).replace("*", " ").split()}
+        stages, variables = (
+            {str(word).replace(" ", "_") for word in law.get(key) or ()} for key in ("stages", "variables")
+        )
+        right = {word for words in nature["variables"] for word in words}
         found = (
-            0 < len(stages) <= 2 and bool(set(stages) & set(nature["stages"])),
-            len(words) <= 2 and all(words & set(right) for right in nature["variables"]) and bool(law),
+            bool(stages & set(nature["stages"])) and len(stages - set(nature["stages"])) <= 1,
+            bool(law) and all(variables & set(words) for words in nature["variables"]) and len(variables - right) <= 1,
             law.get("memory") is not None and bool(law["memory"]) == nature["memory"],
             law.get("rate") is not None and bool(law["rate"]) == nature["rate"],
         )

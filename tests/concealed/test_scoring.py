@@ -170,7 +170,8 @@ def truth(level, *effects, twins=(), size=5.0, kind="physics", base=None):
 
 
 def law(stage="structure", variable="curvature", memory=True, rate=True):
-    given = {"stages": [stage], "variables": [variable], "memory": memory, "rate": rate}
+    stages, variables = ([words] if isinstance(words, str) else list(words) for words in (stage, variable))
+    given = {"stages": stages, "variables": variables, "memory": memory, "rate": rate}
     return said("unnamed") | {"unnamed": given}
 
 
@@ -192,6 +193,11 @@ def law(stage="structure", variable="curvature", memory=True, rate=True):
         (truth("L6", "notch_crack"), said("physics", "tip_load"), -2.0),
         (truth("L6", "jacket_relaxation"), law(), 1.0),
         (truth("L6", "jacket_relaxation"), law(rate=False), 0.5),
+        (truth("L6", "jacket_relaxation"), law(stage=("structure", "drive")), 1.0),
+        (truth("L6", "jacket_relaxation"), law(stage=("structure", "drive", "tendon")), 0.0),
+        (truth("L6", "jacket_relaxation"), law(variable=("time", "bend", "curvature", "path")), 1.0),
+        (truth("L6", "cable_speed_stiffening"), law("tendon", "rate", False, True), 0.5),
+        (truth("L6", "cable_speed_stiffening"), law("tendon", ("rate", "tension"), False, True), 1.0),
         (truth("L6", "jacket_relaxation"), law(stage="sensor"), 0.0),
         (truth("L6", "jacket_relaxation"), said("ambiguous", "tendon_creep"), -2.0),
         (truth("L6", "jacket_relaxation"), said("insufficient"), 0.25),
