@@ -59,6 +59,11 @@ def read_mapped(path: str, mapping: ColumnMapping) -> tuple[Table, tuple[str, ..
     return replace(table, names=tuple(made), columns=tuple(made.values()), origins=origins), (), (*notes, *kept)
 
 
+def short(text: str, most: int = 60) -> str:
+    """Return a text as far as a sentence has room for it."""
+    return text if len(text) <= most else f"{text[:most]}..."
+
+
 def _ours(name: str) -> Column:
     column = parse(name)
     if not isinstance(column, Column):
@@ -90,7 +95,11 @@ def _checked(table: Table, mapping: ColumnMapping, ours: str, source: Source) ->
     key = ("columns", ours)
     column = parse(ours)
     if not isinstance(column, Column):
-        swapped = f"Ours comes first: {source.names[0]}={ours}." if source.names and parse(source.names[0]) else None
+        swapped = (
+            f"Ours comes first: {short(source.names[0])}={short(ours)}."
+            if source.names and parse(source.names[0])
+            else None
+        )
         allowed = "such as stroke_mm, curvature_per_m, run"
         mapping.refuse(
             key,
@@ -104,7 +113,7 @@ def _checked(table: Table, mapping: ColumnMapping, ours: str, source: Source) ->
         if name not in table.names:
             mapping.refuse(
                 key,
-                f"{ours} = {name} names a column that the file does not have",
+                f"{ours} = {short(name)} names a column that the file does not have",
                 found=", ".join(table.names),
                 hint=nearest(name, table.names) or None,
                 recording=table.path,
@@ -129,12 +138,12 @@ def _check_unit(table: Table, mapping: ColumnMapping, ours: str, theirs: str) ->
     (what, suffix, factor), (other, other_suffix, other_factor) = mine, unit
     key = ("columns", ours)
     if what != other:
-        hint = f'A conversion is said with a scale: {ours} = {{ from = "{theirs}", scale = 1 }}.'
-        message = f"{theirs} is {other} ({other_suffix[1:]}), and {ours} is {what} ({suffix[1:]})"
+        hint = f'A conversion is said with a scale: {ours} = {{ from = "{short(theirs)}", scale = 1 }}.'
+        message = f"{short(theirs)} is {other} ({other_suffix[1:]}), and {ours} is {what} ({suffix[1:]})"
         mapping.refuse(key, message, hint=hint, recording=table.path)
     stem = ours.removesuffix(suffix)
-    hint = f"Write {stem}{other_suffix} = {theirs}, or scale = {other_factor / factor:g}."
-    mapping.refuse(key, f"{theirs} is in another unit than {ours}", hint=hint, recording=table.path)
+    hint = f"Write {stem}{other_suffix} = {short(theirs)}, or scale = {other_factor / factor:g}."
+    mapping.refuse(key, f"{short(theirs)} is in another unit than {ours}", hint=hint, recording=table.path)
 
 
 def _repeated(table: Table, mapping: ColumnMapping, ours: str, source: Source, *, is_text: bool) -> Cells | Floats:

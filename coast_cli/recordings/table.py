@@ -223,7 +223,7 @@ def read_table(path: str | Path, dialect: Dialect = Dialect()) -> Table:  # it i
     if RETURN in data:
         data = data.replace(b"\r\n", NEWLINE).replace(RETURN, NEWLINE)
     head, body, header_line = _header(data, dialect, path)
-    separator = _separator(head.decode("utf-8"))
+    separator = _separator(head.decode("utf-8"), dialect.names)
     if separator == " ":
         head, body = (_one_space(part) for part in (head, body))
     names = dialect.names
@@ -263,8 +263,11 @@ def _header(data: bytes, dialect: Dialect, path: str | Path) -> tuple[bytes, byt
     return head, body if dialect.names is None else data[blank:], before + blank + 1
 
 
-def _separator(head: str) -> str:
-    """Return what stands most often between the cells of a line; spaces only where nothing else does."""
+def _separator(head: str, names: tuple[str, ...] | None) -> str:
+    """Return what stands between the cells of a line: as often as names are given, else most often, spaces last."""
+    if names is not None:  # the line is a row, in which commas may be decimal
+        fits = (mark for mark in ";\t," if head.count(mark) == len(names) - 1)
+        return next(fits, " " if len(head.split()) == len(names) else ",")
     best = max(",;\t", key=head.count)
     return " " if best not in head and " " in head.strip() else best
 

@@ -2,15 +2,17 @@
 
 import io
 import zlib
+from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.io import savemat
+from scipy.io import loadmat, savemat
 
 from coast_cli.errors import BadInput
 from coast_cli.recordings import matlab
 from coast_cli.recordings.mapping import load_mapping
 from coast_cli.recordings.matlab import read_mat
+from coast_cli.recordings.matlab_elements import variables_of
 from coast_cli.recordings.read import read_recordings
 
 DRIVE = np.linspace(0.0, 4.0, 30)
@@ -37,6 +39,20 @@ def test_vectors_are_columns(options, saved, tmp_path):
     assert run.response[:, 0] == pytest.approx(3.0 * DRIVE)
     assert run.bending_length == pytest.approx([0.02] * 30)
     assert any("short not used" in note for note in read.notes)
+
+
+def test_what_scipy_reads_is_read_the_same(saved):
+    rng = np.random.default_rng(0)
+    kinds = [np.float64, np.float32, np.int8, np.uint8, np.int16, np.uint16, np.int32, np.uint32, np.int64, np.uint64]
+    variables = {f"v{i}": (100 * rng.random((7, 1 + i % 3))).astype(kind) for i, kind in enumerate(kinds)}
+    variables |= {"flag": np.array([[True, False]]), "text": "drei \u00b0", "empty": np.zeros((0, 3))}
+    for options in ({}, {"do_compression": True}):
+        path = saved(variables, **options)
+        mine, theirs = variables_of(Path(path).read_bytes(), 10**6), loadmat(path)
+        for name, value in mine.items():
+            expected = theirs[name]
+            assert value == expected[0] if isinstance(value, str) else (value == expected).all()
+        assert set(mine) == set(variables)
 
 
 def test_structures_matrices_and_texts(saved):
