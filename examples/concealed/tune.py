@@ -1,6 +1,6 @@
 """Set deciding numbers of the diagnosis on tuning seeds, from outside: one number at a time, the best mean score wins.
 
-A number is a line `NAME = VALUE` (or `NAME: TYPE = VALUE`) of a module of coast_cli. Each value is tried in a copy of
+A number is a line `NAME = VALUE` or `NAME = Threshold(VALUE, ...)` of a module of coast_cli. Each value is tried in a copy of
 the package, so that the tree is touched only by `write`. Only levels inside the catalogue are drawn, and only seeds that
 are never scored: what leaves the catalogue judges the diagnosis and does not shape it.
 """
@@ -37,9 +37,10 @@ class Trial:
 
 def line_of(name: str, text: str) -> re.Match[str]:
     """Return the match of a module's line that holds a number, the number itself as its second group."""
-    found = re.search(rf"^({re.escape(name)}\b[^=\n]*=\s*)([-+]?[\d._]+(?:[eE][-+]?\d+)?)", text, re.MULTILINE)
+    before = rf"^({re.escape(name)}\b[^=\n]*=\s*(?:\w+\(\s*)?)"
+    found = re.search(before + r"([-+]?[\d._]+(?:[eE][-+]?\d+)?)", text, re.MULTILINE)
     if found is None:
-        raise ValueError(f"no line '{name} = NUMBER' in the module: is it a number of its own?")
+        raise ValueError(f"no line '{name} = NUMBER' or '{name} = Threshold(NUMBER, ...)' in the module")
     return found
 
 

@@ -4,8 +4,9 @@ import json
 
 import pytest
 
+from coast_cli.diagnosis import thresholds
 from examples.concealed import tune
-from examples.concealed.tune import Trial, best, put, with_value
+from examples.concealed.tune import Trial, best, line_of, put, with_value
 
 MODULE = "from typing import Final\n\n# nats\nSURE: Final[float] = 0.95  # share\nSURE_OF_ALL = 3\n"
 
@@ -15,6 +16,15 @@ def test_one_number_is_replaced_and_the_rest_of_the_line_stays():
     assert with_value("SURE_OF_ALL", 4, MODULE) == MODULE.replace("= 3", "= 4")
     with pytest.raises(ValueError, match="no line 'SUR = NUMBER'"):
         with_value("SUR", 1.0, MODULE)
+
+
+def test_every_threshold_of_the_diagnosis_is_found_and_can_be_moved():
+    text = (tune.ROOT / tune.THRESHOLDS).read_text(encoding="utf-8")
+    found = {name: value for name, value in vars(thresholds).items() if isinstance(value, thresholds.Threshold)}
+    assert len(found) > 20
+    for name, value in found.items():
+        assert float(line_of(name, text)[2]) == value
+        assert float(line_of(name, with_value(name, 0.125, text))[2]) == 0.125
 
 
 def test_what_stands_wins_ties_and_the_best_is_written(tmp_path):
