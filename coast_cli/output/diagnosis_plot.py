@@ -1,4 +1,4 @@
-"""A diagnosis as a picture: recording, refitted base and corrected model; what is left; where the excess lies."""
+"""A diagnosis as a picture: recording, refitted base and corrected model, what is left, the mismatch marked on the curve."""
 
 from __future__ import annotations
 
@@ -9,8 +9,7 @@ import numpy as np
 
 from coast_cli.diagnosis.curves import JointCurve
 from coast_cli.output.comparison_plot import RESPONSES
-from coast_cli.output.diagnosis_words import percent, place
-from coast_cli.output.picture import COLOURS, RECORDED, Picture, short
+from coast_cli.output.picture import COLOURS, RECORDED, Picture
 from coast_cli.units import MILLIMETRE
 
 if TYPE_CHECKING:
@@ -24,25 +23,20 @@ if TYPE_CHECKING:
 
 MOST_PANELS = 6
 MOST_NOTCHES = 3
-_MOST_BARS = 8
+_MOST_OF_IT = 0.5  # of the excess: a region that holds less does not say where it is
 _BASE, _CORRECTED = COLOURS[:2]
 
 
 def plot_diagnosis(answer: DiagnosisAnswer) -> Picture:
-    """Draw some of the runs with their models, and the regions that hold the excess."""
+    """Draw some of the runs with their models and what is left, the place of the mismatch marked on each."""
     found = answer.diagnosis
     shown = _spread(found.curves, MOST_PANELS)
     columns = 2 if len(shown) in (2, 4) else max(min(len(shown), 3), 1)
-    rows = -(-len(shown) // columns)
-    bars = 0.9 + 0.24 * min(len(found.where), _MOST_BARS) if found.where else 0.0
-    panel = 3.4 if not shown or isinstance(shown[0], JointCurve) else 4.8
-    heights = [height for height in (panel * rows, bars) if height > 0.0]
+    rows = max(-(-len(shown) // columns), 1)
+    panel = 3.0 if not shown or isinstance(shown[0], JointCurve) else 4.8
 
     def paint(figure: Any) -> None:  # noqa: ANN401
-        places = list(figure.add_gridspec(max(len(heights), 1), 1, height_ratios=heights or [1.0]))
-        if found.where:
-            _bars(answer, figure.add_subplot(places[-1]))
-        for place_, curve in zip(places[0].subgridspec(max(rows, 1), columns), shown, strict=False):
+        for place_, curve in zip(figure.add_gridspec(rows, columns), shown, strict=False):
             ratios = (2, 1) if isinstance(curve, JointCurve) else (2, 1, 1)
             inner = place_.subgridspec(len(ratios), 1, height_ratios=ratios)
             upper = figure.add_subplot(inner[0])
@@ -57,7 +51,71 @@ def plot_diagnosis(answer: DiagnosisAnswer) -> Picture:
             if curve is shown[0]:
                 upper.legend()
 
-    return Picture((3.6 * max(columns, 2), sum(heights) or 1.0), paint)
+    return Picture((3.6 * max(columns, 2), panel * rows if shown else 1.0), paint)
+
+
+def plot_place(answer: DiagnosisAnswer) -> Picture | None:
+    """Draw the run that holds most of the mismatch, in time where there is one, with the place marked on the curve."""
+    found = answer.diagnosis
+    every = [curve for curve in found.curves if isinstance(curve, JointCurve)]
+    if not every:
+        return None
+    worst = max(every, key=lambda curve: float(np.nanmean((curve.run.response - curve.base) ** 2)))
+
+    def paint(figure: Any) -> None:  # noqa: ANN401
+        left, right = figure.subplots(1, 2)
+        for axes, over in ((left, worst.run.time), (right, _drive(worst))):
+            if over is not None:
+                _over(axes, worst, found, over)
+        left.set(xlabel="time (s)", title=_title(worst, found))
+        right.set(xlabel=_drive_label(worst))
+        left.set_visible(worst.run.time is not None)
+        right.legend()
+
+    return Picture((7.2, 2.5), paint)
+
+
+def _over(axes: Any, curve: JointCurve, found: Diagnosis, over: Floats) -> None:  # noqa: ANN401
+    """Draw the first response of a run, both models and the marked place over time or drive."""
+    label, unit = RESPONSES[curve.run.kind]
+    recorded = curve.run.response[:, 0] / unit
+    marked = _marked(curve, found)
+    axes.plot(over[marked], recorded[marked], "o", ms=6.0, color=COLOURS[4], alpha=0.45, mew=0.0, label="mismatch")
+    axes.plot(over, recorded, ".", ms=2.5, color=RECORDED, label="recording")
+    for values, colour, words in _models(curve, found):
+        axes.plot(over, values[:, 0] / unit, "-", lw=1.1, color=colour, label=words)
+    axes.set_ylabel(label)
+
+
+def _marked(curve: JointCurve, found: Diagnosis) -> NDArray[np.bool_]:
+    """Return the rows of a run that lie in the regions of the mismatch which say where in a run it is."""
+    run = curve.run
+    rows = np.ones(run.drive.size, dtype=bool)
+    values = {
+        "time": run.time,
+        "stroke": None if run.stroke is None else run.stroke / MILLIMETRE,
+        "tension": run.tension,
+        "curvature": run.response[:, 0] if run.kind == "curvature" else None,
+    }
+    narrowed = False
+    for region in (one for one in found.where if one.share >= _MOST_OF_IT):
+        over = values.get(region.axis)
+        if region.axis == "direction":
+            rows &= (run.direction < 0) == (region.value == "release")
+        elif over is not None and region.low is not None and region.high is not None:
+            rows &= (over >= region.low) & (over <= region.high)
+        else:
+            continue
+        narrowed = True
+    return rows if narrowed else np.zeros_like(rows)
+
+
+def _drive(curve: JointCurve) -> Floats:
+    return curve.run.drive / MILLIMETRE if curve.run.stroke is not None else curve.run.drive
+
+
+def _drive_label(curve: JointCurve) -> str:
+    return "stroke X1 (mm)" if curve.run.stroke is not None else "tension (N)"
 
 
 def _spread(items: Sequence[JointCurve | ShapeCurve], most: int) -> list[JointCurve | ShapeCurve]:
@@ -76,9 +134,11 @@ def _title(curve: JointCurve | ShapeCurve, found: Diagnosis) -> str:
 def _run(curve: JointCurve, found: Diagnosis, upper: Any, lower: Any) -> None:  # noqa: ANN401
     run = curve.run
     label, unit = RESPONSES[run.kind]
-    drive = run.drive / MILLIMETRE if run.stroke is not None else run.drive
+    drive, marked = _drive(curve), _marked(curve, found)
     for column in _columns(run.response):
         recorded = run.response[:, column] / unit
+        words = "mismatch" if column == 0 else None
+        upper.plot(drive[marked], recorded[marked], "o", ms=5.5, color=COLOURS[4], alpha=0.4, mew=0.0, label=words)
         upper.plot(drive, recorded, ".", ms=2.5, color=RECORDED, label="recording" if column == 0 else None)
         for values, colour, words in _models(curve, found):
             model = values[:, column] / unit
@@ -88,7 +148,7 @@ def _run(curve: JointCurve, found: Diagnosis, upper: Any, lower: Any) -> None:  
     upper.tick_params(labelbottom=False)
     lower.axhspan(-2.0 * found.noise, 2.0 * found.noise, color="0.9", lw=0, zorder=0)
     lower.axhline(0.0, lw=0.5, color="black", zorder=1)
-    lower.set_xlabel("stroke X1 (mm)" if run.stroke is not None else "tension (N)")
+    lower.set_xlabel(_drive_label(curve))
 
 
 def _shape(curve: ShapeCurve, found: Diagnosis, upper: Any, lower: Any) -> None:  # noqa: ANN401
@@ -136,16 +196,3 @@ def _columns(response: Floats) -> list[int]:
 def _lengths(length: Floats) -> str:
     low, high = float(np.min(length)) / MILLIMETRE, float(np.max(length)) / MILLIMETRE
     return f"{low:.3g}" if high - low < 1e-6 else f"{low:.3g} to {high:.3g}"
-
-
-def _bars(answer: DiagnosisAnswer, axes: Any) -> None:  # noqa: ANN401
-    regions = answer.diagnosis.where[:_MOST_BARS][::-1]
-    shares = [100.0 * region.share for region in regions]
-    axes.barh(range(len(regions)), shares, color=_BASE, height=0.6)
-    for height, (share, region) in enumerate(zip(shares, regions, strict=True)):
-        axes.text(share + 1.0, height, percent(region.share), va="center", fontsize=8)
-    axes.set_yticks(range(len(regions)), [short(place(region, answer.drive_unit), 40) for region in regions])
-    axes.set_xlim(0.0, 112.0)
-    axes.set_xticks(range(0, 101, 20))
-    axes.set_xlabel("share of the error above the noise (%)")
-    axes.tick_params(axis="y", length=0)

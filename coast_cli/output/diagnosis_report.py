@@ -108,7 +108,7 @@ def _shared(found: Diagnosis) -> str:
 def _picture(answer: DiagnosisAnswer) -> str:
     from coast_cli.output.diagnosis_plot import plot_diagnosis
 
-    words = "Recording, refitted base and corrected model of each run, what is left, and where the excess error lies"
+    words = "Recording, refitted base and corrected model of each run, and what is left; yellow: where the mismatch is"
     return figure(plot_diagnosis(answer), words, "png")
 
 

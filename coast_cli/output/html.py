@@ -33,6 +33,9 @@ tbody { break-inside: avoid; } tbody tr + tr td { border-top: 1px solid #eee; } 
 .group th { padding-top: .8rem; border-bottom: 1px solid #ccc; text-align: left; break-after: avoid; }
 .group small { font-weight: 400; font-size: 1em; color: #555; margin-left: .6rem; }
 .chosen td { background: #e8f2f9; } .fails td { background: #fbe9e0; font-weight: 600; }
+.good { color: #00664a; font-weight: 600; } .bad { color: #a33f00; font-weight: 600; } .open { font-weight: 600; }
+.beside { display: flex; flex-wrap: wrap; gap: 0 2.5rem; } .beside > section { min-width: 0; max-width: 100%; }
+svg.drawing { display: block; width: 100%; max-height: 9rem; }
 figure { margin: .8rem 0 1.2rem; break-inside: avoid; } figcaption { color: #555; font-size: .87rem; margin-top: .2rem; }
 img { display: block; max-width: 100%; height: auto; }
 code { font: .92em ui-monospace, "DejaVu Sans Mono", monospace; overflow-wrap: anywhere; } td.key code { overflow-wrap: normal; }
@@ -40,10 +43,25 @@ mark { background: #ffe9a8; color: inherit; padding: 0 .25em; border-radius: .2e
 blockquote { margin: .6rem 0; padding: .1rem 0 .1rem .9rem; border-left: 3px solid #ccc; color: #444; font-size: .87rem; }
 footer { margin-top: 1.5rem; padding-top: .5rem; border-top: 1px solid #ccc; color: #555; font-size: .82rem; }
 section:has(> footer), footer { break-inside: avoid; }
-@page { size: A4; margin: 16mm 15mm; }
+@media (prefers-color-scheme: dark) { @media screen {
+  body { color: #e4e4e4; background: #14171a; } a { color: #6db6e8; } figure img { background: #fff; padding: .3rem; }
+  .unit, .group small, figcaption, .quiet, blockquote, footer { color: #a8a8a8; } tbody tr + tr td { border-color: #2a2f34; }
+  .chosen td { background: #17344a; } .fails td { background: #4a2413; } mark { background: #5c4a00; }
+  .good { color: #4cc9a0; } .bad { color: #ff9b63; } h2 { border-color: #3a8fc4; }
+} }
+@page { size: A4; margin: 9mm 11mm; }
 @media print {
-  html { font-size: 10pt; } body { margin: 0; padding: 0; max-width: none; print-color-adjust: exact; }
-  nav { display: none; } .wide { overflow: visible; } th, td { padding-right: .7rem; } h2 { margin-top: 1.8rem; }
+  html { font-size: 6.7pt; } body { margin: 0; padding: 0; max-width: none; line-height: 1.26; print-color-adjust: exact; }
+  nav { display: none; } .wide { overflow: visible; margin: .3rem 0 .5rem; } th, td { padding: .04rem .5rem .04rem 0; }
+  h1 { font-size: 1.5rem; } h2 { font-size: 1.2rem; margin: .7rem 0 .2rem; } h3 { margin: .6rem 0 .2rem; }
+  p, ul { margin: .25rem 0; max-width: none; } figure { margin: .3rem 0 .5rem; } figure img { max-height: 45mm; width: auto; }
+  svg.drawing { max-height: 22mm; }
+  h2 { column-span: all; } #diagnosis, #tolerances, #inputs, #provenance { columns: 2; column-gap: 7mm; }
+  #tolerances > section:last-of-type { column-span: all; } #tolerances figure img { max-height: 50mm; width: auto; }
+  .details figure img { max-height: 34mm; } #diagnosis figure img { max-height: 45mm; }
+  td.text { min-width: 0; } #strokes .wide { display: none; }
+  #strokes, #shapes { display: inline-block; width: 48%; vertical-align: top; margin-right: 1%; }
+  #inputs td:nth-child(3), #inputs th:nth-child(3) { display: none; }
   thead { display: table-header-group; } a { color: inherit; text-decoration: none; }
 }
 """.strip()
@@ -120,6 +138,12 @@ def paragraph(text: str) -> str:
 def words(text: str) -> str:
     """Return text inside a line; what stands in backticks is code."""
     return _CODE.sub(r"<code>\1</code>", escape(text))
+
+
+def side_by_side(*parts: str) -> str:
+    """Return parts beside one another where there is room; those that are empty are left out."""
+    found = [part for part in parts if part]
+    return f'<div class="beside">\n{joined(*found)}\n</div>' if found else ""
 
 
 def bullets(texts: Iterable[str]) -> str:

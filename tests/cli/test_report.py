@@ -70,13 +70,13 @@ def test_every_link_leads_to_a_section(whole):
     page = Page(whole.read_text(encoding="utf-8"))
     assert [link[1:] for link in page.values("href")] == page.values("id")
     assert page.values("id") == [
-        "inputs",
-        "ranking",
-        "shapes",
-        "strokes",
-        "tolerances",
-        "checks",
         "diagnosis",
+        "checks",
+        "tolerances",
+        "ranking",
+        "strokes",
+        "shapes",
+        "inputs",
         "provenance",
     ]
 
@@ -93,7 +93,17 @@ def test_the_page_says_what_the_commands_say(whole, coast, reference):
     assert "defaults of the program" in page.text
     digest = coast("rank-pairs", reference).out.split()[-1]
     assert digest in page.text
-    assert len(page.values("src")) == 5
+    assert len(page.values("src")) == 6
+
+
+def test_the_first_sheet_answers(whole):
+    first = Page(whole.read_text(encoding="utf-8").partition("<nav>")[0] + "</body></html>")
+    assert "✓ 5 of 5 limits hold as drawn; the nearest is max_total_precurvature_rad, 12 % from its limit" in first.text
+    assert "✗ The model leaves out physics. Named: backlash (95 %)." in first.text
+    assert "To scale: OT4 0.5 mm outside, 0.4 inside, 188 notches 0.4 deep" in first.text
+    assert "svg" in first.tags
+    assert "Stroke X1 at X2 of" in first.text
+    assert "where the mismatch is" in first.text
 
 
 def test_the_assumed_inputs_are_marked(whole):
