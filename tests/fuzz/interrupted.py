@@ -24,7 +24,7 @@ ROOT = Path(__file__).parents[2]
 RECORDING = ROOT / "examples" / "diagnose" / "recording.csv"
 SPACE = """
 [explore]
-tubes = 384
+tubes = 256
 refinements = 1
 [explore.outer]
 depth_mm = { min = 0.314, max = 0.400 }
@@ -36,13 +36,13 @@ COMMANDS = {
     "explore": ("explore", "space.toml", "-o", "front.json"),
     "explore --cluster": ("explore", "space.toml", "--all", "pairs.csv", "-o", "front.json", "--cluster", "{address}"),
     "explore --jobs": ("explore", "space.toml", "--all", "pairs.csv", "-o", "front.json", "--jobs", "2"),
-    "tolerance": ("tolerance", "tubes.toml", "--samples", "60000", "-o", "answer.json"),
-    "tolerance --jobs": ("tolerance", "tubes.toml", "--samples", "60000", "-o", "answer.json", "--jobs", "2"),
-    "report": ("report", "tubes.toml", "rec.csv", "-o", "page.html", "--samples", "500"),
+    "tolerance": ("tolerance", "tubes.toml", "--samples", "20000", "-o", "answer.json"),
+    "tolerance --jobs": ("tolerance", "tubes.toml", "--samples", "20000", "-o", "answer.json", "--jobs", "2"),
+    "report": ("report", "tubes.toml", "rec.csv", "-o", "page.html", "--samples", "200"),
     "diagnose -o": ("diagnose", "tubes.toml", "rec.csv", "-o", "answer.json", "--save-model", "model.toml"),
 }
 SIGNALS = ("SIGTERM", "SIGTERM", "SIGINT", "SIGHUP", "SIGKILL")
-MOST_KILLS = 4
+MOST_KILLS = 3
 INPUTS = {"space.toml", "tubes.toml", "rec.csv"}
 
 
