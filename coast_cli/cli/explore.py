@@ -31,7 +31,7 @@ def explore(
 
     The front is refined by new pairs round it. Only pairs that pass [checks] are on it. The answer is the same bytes
     with any number of jobs, and on a cluster. Interrupted, it keeps what is done: in the file of --all, else in a
-    file of the working folder, which it names. The same command goes on from there.
+    folder of the working folder, which it names. The same command goes on from there.
     """
     from contextlib import closing
 

@@ -33,7 +33,7 @@ def tolerance(
 
     Rows give the distribution of every figure, the chance that each check holds, how often each pair of the bench
     ranks first, and Sobol indices: the input with the largest is the one to tighten first. The answer is the same bytes
-    with any number of jobs. Interrupted, it keeps what is done in a file of the working folder, which it names, and the same
+    with any number of jobs. Interrupted, it keeps what is done in a folder of the working folder, which it names, and the same
     command goes on from there.
     """
     from coast_cli.design.samples import samples_in_block
