@@ -1,6 +1,7 @@
-"""Moment-curvature curves of superelastic strips: ``python -m tests.benchmarks.sections``.
+"""Superelastic sections and answers: ``python -m tests.benchmarks.sections``.
 
-Processor times; the ratio is against the same curve in plain Python, one strain at a time.
+Processor times. Curves are held against the same curve in plain Python, one strain at a time; answers of the reference input
+with superelastic tubes against those with linear ones.
 """
 
 import numpy as np
@@ -48,6 +49,33 @@ def main() -> None:
     print(f"  numpy                                       {1e6 * many:8.0f} us, {1.0 / many:.0f} curves/s")
     print(f"  plain Python                                {1e3 * plain:8.1f} ms")
     print(f"  ratio                                       {plain / many:8.0f}")
+    answers()
+
+
+def answers() -> None:
+    from coast_cli.design.rank import rank
+    from coast_cli.design.stroke import stroke_table
+    from coast_cli.design.tolerance import tolerance_rows
+    from coast_cli.spec.build import build
+    from coast_cli.spec.load import REFERENCE, load_config_text
+
+    text = REFERENCE.read_text(encoding="utf-8")
+    table = "martensite_modulus_gpa = 25.0\nupper_plateau_mpa = 300.0\nlower_plateau_mpa = 120.0\n"
+    linear, curved = (load_config_text(words) for words in (text, f"{text}\n[materials.nitinol.superelastic]\n{table}"))
+    bends = np.linspace(1.0, 60.0, 60).tolist()
+    print("answers with superelastic tubes over those with linear ones")
+    for name, answer in (
+        ("ranked table", rank),
+        ("stroke table", lambda config: stroke_table(build(config).joint(), [0.02, 0.04], curvatures=bends)),
+        (
+            "tolerances, 2,000 samples",
+            lambda config: tolerance_rows(
+                build(config), ("OT4", "MT1"), samples=2000, seed=0, ranked=False, index_samples=64
+            ),
+        ),
+    ):
+        times = [best(lambda config=config: answer(config), 3) for config in (linear, curved)]  # noqa: B023
+        print(f"  {name:41}   {times[1] / times[0]:8.2f} ({1e3 * times[0]:.0f} and {1e3 * times[1]:.0f} ms)")
 
 
 if __name__ == "__main__":
