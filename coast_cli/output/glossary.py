@@ -138,7 +138,8 @@ def _keys_below(prefix: str, table: dict[str, Any], shared: dict[str, Any], refe
         typical, source = reference.of(full)
         meaning = key.get("description", "")
         yield _entry(full, kind, meaning, allowed=_allowed(key), typical=typical, source=source)
-        for inner, mark in ((key, ""), (key.get("items"), "[]."), (key.get("additionalProperties"), ".NAME.")):
+        named = next(iter(key.get("patternProperties", {}).values()), key.get("additionalProperties"))
+        for inner, mark in ((key, ""), (key.get("items"), "[]."), (named, ".NAME.")):
             link = inner.get("$ref") if isinstance(inner, dict) else None
             if link:
                 yield from _keys_below(full + (mark or "."), shared[link.rpartition("/")[2]], shared, reference)

@@ -5,6 +5,7 @@ import pytest
 from coast_cli.errors import BadInput
 from coast_cli.spec.build import build
 from coast_cli.spec.load import REFERENCE, load_config_text
+from coast_cli.spec.superelastic import SuperelasticFields
 
 TEXT = Path(REFERENCE).read_text()
 GOOD = {"martensite_modulus_gpa": 25.0, "upper_plateau_mpa": 450.0, "lower_plateau_mpa": 180.0}
@@ -65,3 +66,12 @@ def test_what_no_material_has_is_refused_in_one_sentence(changes, key, words):
     assert f"materials.nitinol.superelastic.{key}: " in message
     assert words in message
     assert "\n" not in message
+
+
+def test_its_keys_are_explained():
+    from coast_cli.output.glossary import look_up
+
+    names = {row["name"] for row in look_up("materials.NAME.superelastic")}
+    assert {f"materials.NAME.superelastic.{name}" for name in SuperelasticFields.model_fields} < names
+    (key,) = look_up("materials.NAME.density_kg_per_m3")
+    assert key["allowed"] == "from 100 to 30000"
