@@ -24,7 +24,7 @@ from coast_cli.mechanics.tubes import block_size
 from coast_cli.spec.build import Design
 
 BLOCK = 2048  # samples at most; fewer where tubes have many notches, so that memory is bounded
-WORTH_COMPILING = 50_000  # samples, from which on the kernel of [fast] is worth its loading
+WORTH_COMPILING = 15_000_000  # notches of all samples, from which on the kernel of [fast] is worth its loading
 Keep = Callable[[Mapping[str, FloatArray]], None]
 
 
@@ -85,7 +85,7 @@ def sampled(
     for name, values in beginning.items():
         columns[name][:done] = values
     step = samples_in_block(design.tube(name) for name in pair)
-    compiled = samples >= WORTH_COMPILING
+    compiled = samples * sum(design.tube(name).count for name in pair) >= WORTH_COMPILING
     tasks = (
         Task(design, pair, seed, first, min(step, samples - first), compiled) for first in range(done, samples, step)
     )

@@ -120,29 +120,6 @@ def _march(pieces, loads, share, state):  # type: ignore[no-untyped-def]  # noqa
 
 
 @numba.njit(**_options)
-def _march_turn(pieces, loads, state):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
-    for j in range(LANES):
-        state[1, j], state[2, j] = cos(state[0, j]), sin(state[0, j])
-        state[3, j], state[4, j] = loads[3, j], loads[2, j]
-    for i in range(pieces.shape[0]):
-        for j in range(LANES):
-            turn, cosine, sine, moment, _, _ = _turn(
-                pieces[i, 0, j],
-                pieces[i, 1, j],
-                pieces[i, 2, j],
-                pieces[i, 3, j],
-                loads[1, j],
-                state[1, j],
-                state[2, j],
-                state[3, j],
-                state[4, j],
-            )
-            state[0, j] += turn
-            state[1, j], state[2, j], state[3, j] = cosine, sine, moment
-            state[4, j] += pieces[i, 3, j]
-
-
-@numba.njit(**_options)
 def _march_tip(pieces, loads, state):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
     """March with tangent and places; further state rows: x, y of the tip and their derivatives by its angle."""
     for j in range(LANES):
@@ -401,9 +378,9 @@ def _solve_lanes(length, rigidity, weight, curvature, all_loads, chosen, tips, s
         _largest_moment(cells, loads, state, tip, largest)
         _fine_enough(pieces, loads, state, largest, plain)
         state[0, :] = tip
-        _march_turn(pieces, loads, state)
+        _march(pieces, loads, 1.0, state)
         for j in range(LANES):
-            tip[j] -= (state[0, j] - loads[4, j]) / slope[j]
+            tip[j] -= (state[0, j] - loads[4, j]) / state[5, j]
         state[0, :] = tip
         if wanted:
             _march_nodes(pieces, loads, state, trace)

@@ -112,6 +112,8 @@ def solve_plain_turns(problem: AnyProblem) -> tuple[FloatArray, NDArray[np.bool_
     bounds = problem.turn_bounds(start.moment)
     little = (np.max(bounds, axis=1, initial=0.0) <= SHORT_TURN).tolist()
     plain = start.found & (start.equilibria == 1) & (start.turned_at == 1.0) & (_fineness(bounds) == 0)
+    if not np.any(plain):
+        return np.zeros((problem.piece_count, problem.count)), plain
     turns, change = march_turns(problem, start.tip_angle, little[::-1])
     return turns, plain & (np.abs(change) <= ONLY_CHANGE) & np.isfinite(turns).all(axis=0)
 

@@ -18,7 +18,7 @@ from coast_cli.mechanics.beam.problem import AnyProblem, BeamProblem, Ripple, cl
 from coast_cli.mechanics.roots import increasing_root
 from coast_cli.mechanics.section import FloatArray
 
-COARSE_CELLS, LIGHT_CELLS, SHARP_CELLS = 12, 6, 28
+COARSE_CELLS, LIGHT_CELLS, SHARP_CELLS = 12, 6, 64
 LIGHT_TURN = 2.0  # rad a step at most where there is one equilibrium: the sharp beam then corrects 1e-4 rad
 COARSE_TURN = 1.0  # rad a step at most, by a bound that is twice too large: it then errs by 1e-5 of its length
 SOFTEST = 100.0  # load number past which a beam hangs like a string and its tip no longer tells its clamp

@@ -1,5 +1,6 @@
 """Tolerances: probabilities against direct samples, indices against closed forms, impossible tubes counted."""
 
+import re
 import tracemalloc
 
 import numpy as np
@@ -9,7 +10,7 @@ from scipy.stats import norm
 from coast_cli.design.indices import sobol_indices_of
 from coast_cli.design.rank import RankOptions
 from coast_cli.design.robust import robust_rank
-from coast_cli.design.samples import make_pair, shares
+from coast_cli.design.samples import make_pair, make_pairs, shares
 from coast_cli.design.tolerance import tolerance_rows
 from coast_cli.design.variation import variation
 from coast_cli.errors import CoastError
@@ -168,3 +169,18 @@ def test_the_robust_ranking_needs_limits(reference_text):
     config = load_config_text(reference_text[: reference_text.index("[checks]")])
     with pytest.raises(CoastError, match="robust ranking"):
         robust_rank(config, RankOptions())
+
+
+def test_memory_is_bounded_however_many_notches_a_tube_has(reference_text):
+    """Tables of pieces would take 3 GB of 200 samples at once; tubes of 12 m are too soft to be solved, so it is quick."""
+    text = re.sub(r"count = \d+", "count = 20000", reference_text)
+    design = build(load_config_text(text))
+    tubes = design.tube("OT4"), design.tube("MT1")
+    varied = variation(design.config, tubes)
+    draws = shares(0, len(varied.inputs), 0, 200)
+    tracemalloc.start()
+    columns = make_pairs(design, varied, tubes, draws)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert columns["total_precurvature_rad"].size == 200
+    assert peak < 400e6
