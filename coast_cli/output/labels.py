@@ -40,6 +40,10 @@ LABELS = {
     "angle_deg": Label("angle", "deg"),
     "web_strain": Label("web strain", "%", 1e2),
     "closure_curvature_per_m": Label("curvature at notch closure", "1/m"),
+    "closure_margin": Label("closure margin"),
+    "strain_amplitude": Label("strain amplitude", "%", 1e2),
+    "bend_deg": Label("bend reached", "deg"),
+    "snap_margin": Label("snap margin"),
 }
 
 

@@ -244,3 +244,31 @@ def test_interrupted_it_leaves_what_was_there(coast, reference, tmp_path, monkey
     assert coast("report", reference, "--samples", "0", "-o", kept).code == 130
     assert [path.name for path in tmp_path.iterdir()] == ["kept.html"]
     assert kept.read_text(encoding="utf-8") == "an older report"
+
+
+LIMITS = """max_tension_n = 3.0
+max_web_strain = 0.008
+min_closure_margin = 1.5
+fatigue = { cycles = 10_000_000 }
+min_bend_deg = { value = 120.0, bending_length_mm = 40.0 }
+min_snap_margin = 0.0
+"""
+
+
+def test_every_limit_is_reported_and_every_figure_has_a_name(coast, tmp_path, reference_text):
+    from coast_cli.design.limits import point_figure_names
+    from coast_cli.output.labels import LABELS
+    from coast_cli.spec.config import Checks
+    from coast_cli.spec.load import load_config_text
+
+    text = reference_text + LIMITS
+    assert set(point_figure_names(load_config_text(text))) <= set(LABELS)
+    config = tmp_path / "limits.toml"
+    config.write_text(text, encoding="utf-8")
+    ran = coast("report", config, "-o", tmp_path / "report.html", "--samples", "40")
+    assert ran.code == 0, ran.err
+    page = Page((tmp_path / "report.html").read_text(encoding="utf-8"))
+    assert all(name in page.text for name in Checks.model_fields)
+    assert "11 of 11 limits hold" in page.text
+    drawn = coast("tolerance", config, "--samples", "40", "--only", "check", "--plot", tmp_path / "figures.svg")
+    assert drawn.code == 0, drawn.err
