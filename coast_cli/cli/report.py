@@ -20,7 +20,11 @@ def report(
         READS,
     ] = None,
     *,
-    output: Annotated[Path, typer.Option("--output", "-o", metavar="FILE.html", help="the page"), WRITES],
+    output: Annotated[
+        Path,
+        typer.Option("--output", "-o", metavar="FILE", help="the page, .html; or the drawing of the pair alone, .svg"),
+        WRITES,
+    ],
     pair: PairOption = None,
     kappa: Annotated[str, typer.Option(help="curvatures of the stroke table, 1/m: 20 or 20,30 or 0:40:5")] = "0:40:5",
     x2: Annotated[
@@ -45,10 +49,12 @@ def report(
     stands on the page and the exit code is 0; `coast check` and `coast diagnose --fail-on-mismatch` exit with 1.
     """
     from coast_cli.output.atomic import check_suffix, write_files
+    from coast_cli.output.pair_drawing import drawing_alone
     from coast_cli.output.picture import can_draw
     from coast_cli.output.progress import waiting
     from coast_cli.output.report import NO_PICTURES, page_of
     from coast_cli.output.report_contents import Wanted, contents
+    from coast_cli.output.report_first import drawn
     from coast_cli.output.write import say
     from coast_cli.recordings.mapping import mapping_of
     from coast_cli.recordings.read import read_recordings
@@ -56,10 +62,14 @@ def report(
     from coast_cli.spec.load import load_config
     from coast_cli.units import MILLIMETRE
 
-    check_suffix("-o", output, (".html", ".htm"))
+    check_suffix("-o", output, (".html", ".htm", ".svg"))
     lengths = None if x2 is None else numbers(x2, "--x2")
     curvatures = numbers(kappa, "--kappa")
     document = load_config(config)
+    if output.suffix.lower() == ".svg":
+        drawing = drawing_alone(*drawn(build(document), pair))
+        write_files({output: lambda stream: stream.write(drawing)})
+        return
     read = None
     if recordings:
         single = lengths[0] if lengths is not None and len(lengths) == 1 else None

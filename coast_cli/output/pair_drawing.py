@@ -15,6 +15,14 @@ _GAP = 0.35
 _COLOURS = ("#0072B2", "#D55E00")
 
 
+def drawing_alone(outer: NotchedTube | None, middle: NotchedTube, tendon_radius: float | None = None) -> str:
+    """Return the drawing as an SVG file of its own, on white."""
+    svg = drawing(outer, middle, tendon_radius)
+    svg = svg[svg.index("<svg") : svg.index("</svg>")] + "</svg>\n"
+    ground = 'width="900" xmlns="http://www.w3.org/2000/svg" style="background: #fff; color: #1a1a1a; font-family: sans-serif"'
+    return svg.replace('class="drawing"', ground, 1)
+
+
 def drawing(outer: NotchedTube | None, middle: NotchedTube, tendon_radius: float | None = None) -> str:
     """Return SVG of the last pitches before the tip; the outer tube's notches face down, the middle tube's up.
 

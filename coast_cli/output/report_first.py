@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from html import escape
 
+from coast_cli.mechanics.tube import NotchedTube
 from coast_cli.output.diagnosis_plot import plot_place
 from coast_cli.output.diagnosis_words import HEADLINES, named, percent
 from coast_cli.output.html import Column, Markup, Row, figure, joined, paragraph, section, side_by_side, table
@@ -13,7 +14,8 @@ from coast_cli.output.pair_drawing import drawing
 from coast_cli.output.picture import can_draw
 from coast_cli.output.report_contents import DesignReport
 from coast_cli.output.report_inputs import inputs_of, said_of
-from coast_cli.spec.build import build
+from coast_cli.spec.build import Design, build
+from coast_cli.units import MILLIMETRE
 
 _BEST = 5
 _MOST_CURVATURES = 9
@@ -22,17 +24,24 @@ _GOOD = {"agrees": "good", "parameters": "good", "insufficient": "open"}
 
 def first_sheet(answer: DesignReport) -> str:
     """Return the sheet, without its title."""
-    design = build(answer.config)
-    tubes = {tube.name: tube for tube in (*design.outer, *design.middle)}
-    names = answer.pair.split("/")
-    outer = tubes[names[0]] if len(names) > 1 else None
-    tendon = None if answer.config.tendon is None else answer.config.tendon.radius_mm / 1e3
     return joined(
-        drawing(outer, tubes[names[-1]], tendon),
+        drawing(*drawn(build(answer.config), answer.pair)),
         _summary(answer),
         side_by_side(_best(answer), _strokes(answer)),
         _place(answer),
     )
+
+
+def drawn(design: Design, pair: str | None) -> tuple[NotchedTube | None, NotchedTube, float | None]:
+    """Return what a drawing shows: the tubes of a pair, or of the configuration's, and the tendon's radius, m.
+
+    Raises:
+        BadInput: as ``Design.pair``.
+    """
+    outer, middle = design.pair(pair)
+    tendon = design.config.tendon
+    radius = None if tendon is None else tendon.radius_mm * MILLIMETRE
+    return None if outer is None else design.tube(outer), design.tube(middle), radius
 
 
 def _summary(answer: DesignReport) -> str:

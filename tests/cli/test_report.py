@@ -96,6 +96,17 @@ def test_the_page_says_what_the_commands_say(whole, coast, reference):
     assert len(page.values("src")) == 6
 
 
+def test_the_picture_of_the_readme_is_what_the_command_draws(coast, reference, tmp_path):
+    shown = ROOT / "coast_cli" / "guide" / "pair.svg"
+    assert coast("report", reference, "-o", tmp_path / "pair.svg").code == 0
+    drawn = (tmp_path / "pair.svg").read_text(encoding="utf-8")
+    numbers = [re.findall(r"-?\d+\.?\d*", text) for text in (drawn, shown.read_text(encoding="utf-8"))]
+    assert len(numbers[0]) > 100
+    assert [float(number) for number in numbers[0]] == pytest.approx([float(number) for number in numbers[1]], abs=2e-4)
+    assert len(drawn) < 10_000
+    assert f"({shown.relative_to(ROOT).as_posix()})" in (ROOT / "README.md").read_text(encoding="utf-8")
+
+
 def test_the_first_sheet_answers(whole):
     first = Page(whole.read_text(encoding="utf-8").partition("<nav>")[0] + "</body></html>")
     assert "✓ 5 of 5 limits hold as drawn; the nearest is max_total_precurvature_rad, 12 % from its limit" in first.text
