@@ -62,8 +62,8 @@ class UnnamedLaw(Effect):
 
     Attributes:
         number: of the law in its model, from 1. place: stage at which it enters. variable, memory: what it depends on.
-        setting: of the memory: time constant (s), moment (s), period (in the variable's SI unit), or 1 for a largest tension
-            that earlier runs left behind too; 0 where none.
+        setting: of the memory: time constant (s), moment (s), period (in the variable's SI unit), 1 for a largest tension that
+            earlier runs left behind too, or, of friction that is not tabulated, the play (of the drive) in which it turns.
         low, high: range of the remembered variable that was seen, SI. weights: amplitudes, in the stage's unit.
         limit: largest amplitude that a fit may give.
     """
@@ -230,12 +230,15 @@ class UnnamedLaw(Effect):
     def _stretches(self) -> bool:
         return self.place == "tendon" and self.variable == "tension" and self.memory in ("none", "period")
 
+    def _series(self, history: History, tension: FloatArray, curvature: FloatArray | None) -> FloatArray:
+        return variable_of(self.variable, history, tension, curvature, self.memory)
+
     def drive(self, history: History) -> History:
         """Add to the stroke, or to the tension where that drives."""
         if self.place != "drive":
             return history
         unit = MILLIMETRE if history.stroke is not None else 1.0
-        series = variable_of(self.variable, history, history.drive, None)
+        series = self._series(history, history.drive, None)
         if self.memory == "friction":
             half = self.of(series) * unit
             moved = follow(history.drive - half, history.drive + half)
@@ -253,7 +256,12 @@ class UnnamedLaw(Effect):
         """Return tendon length (m) that time, path or the tension so far has added."""
         if not self.slackens:
             return np.zeros_like(tension)
-        series = variable_of(self.variable, history, tension, None)
+        series = self._series(history, tension, None)
+        if self.memory == "friction":
+            half, elastic = self.of(series) * MILLIMETRE, 0.0 * tension
+            if joint.tendon is not None:
+                elastic = tension / joint.tendon.stiffness
+            return follow(elastic - half, elastic + half) - elastic
         return self.of(remember(series, history, self.memory, self.setting)) * MILLIMETRE
 
     def friction(self, direction: int, joint: Joint, bending_length: float) -> float:
@@ -280,8 +288,10 @@ class UnnamedLaw(Effect):
 
     def drag(self, motion: Motion) -> FloatArray:
         """Return the tension (N, at the actuator) that the law takes, row by row."""
-        series = variable_of(self.variable, motion.history, motion.tension, motion.curvature)
+        series = self._series(motion.history, motion.tension, motion.curvature)
         added = self.of(remember(series, motion.history, self.memory, self.setting))
+        if self.memory == "friction":
+            added = added * rubbing(motion.history, max(self.setting, 1e-9))
         if self.place == "transmission":
             return np.asarray(motion.tension * np.expm1(np.clip(added, -3.0, 3.0)))
         return np.asarray(added * motion.tension_per_curvature)
@@ -293,7 +303,7 @@ class UnnamedLaw(Effect):
         out = np.empty_like(response)
         for column in range(response.shape[1]):
             here = response[:, column]
-            series = variable_of(self.variable, history, history.drive, here)
+            series = self._series(history, history.drive, here)
             if self.memory == "friction":
                 half = self.of(series)
                 out[:, column] = follow(here - half, here + half)
@@ -305,15 +315,18 @@ class UnnamedLaw(Effect):
         """Add to what the load cell reads."""
         if self.place != "load_cell":
             return tension
-        series = variable_of(self.variable, history, tension, None)
+        series = self._series(history, tension, None)
         return np.asarray(tension + self.of(remember(series, history, self.memory, self.setting)))
 
 
-def variable_of(variable: Variable, history: History, tension: FloatArray, curvature: FloatArray | None) -> FloatArray:
+def variable_of(
+    variable: Variable, history: History, tension: FloatArray, curvature: FloatArray | None, memory: Memory = "none"
+) -> FloatArray:
     """Return a variable's value at every row of a run, SI, shape (n,).
 
     Args:
         tension: own tension, or the drive where the law acts before there is one. curvature: own response, where known.
+        memory: friction depends on the speed whatever its sign.
     """
     clock = np.arange(tension.shape[0], dtype=np.float64) if history.time is None else history.time
     if variable == "curvature":
@@ -325,12 +338,18 @@ def variable_of(variable: Variable, history: History, tension: FloatArray, curva
     if variable == "time":
         return clock
     if variable == "rate":
-        return drive_rate(history.drive, clock)
+        rate = drive_rate(history.drive, clock)
+        return np.abs(rate) if memory == "friction" else rate
     if variable == "path":
         return travelled(history.drive)
     if variable == "run":
         return np.full(tension.shape[0], float(history.run))
     return history.drive
+
+
+def rubbing(history: History, play: float) -> FloatArray:
+    """Return the state of motion (n,): 1 on load, -1 on release, and what lies between while a play of the drive turns."""
+    return np.asarray((history.drive - follow(history.drive - play, history.drive + play)) / play)
 
 
 def drive_rate(drive: FloatArray, clock: FloatArray) -> FloatArray:

@@ -9,8 +9,7 @@ import numpy as np
 
 from coast_cli.diagnosis.joint.problem import JointProblem
 from coast_cli.effects.effect import History
-from coast_cli.effects.memory import follow
-from coast_cli.effects.unnamed import Memory, Place, UnnamedLaw, Variable, basis, remember, variable_of
+from coast_cli.effects.unnamed import Memory, Place, UnnamedLaw, Variable, basis, remember, rubbing, variable_of
 from coast_cli.mechanics.section import FloatArray
 
 # What is looked at to first order, and then set free: plays as fractions of the drive's range, lags of a run's duration.
@@ -45,9 +44,8 @@ class Cell:
     def law(self, weights: FloatArray, limit: float, number: int = 1) -> UnnamedLaw:
         """Return the law with these amplitudes."""
         values = tuple(float(value) for value in weights)
-        return UnnamedLaw(
-            self.place, self.variable, self.memory, self.setting, self.low, self.high, values, limit, number
-        )
+        setting = self.play if self.memory == "friction" else self.setting
+        return UnnamedLaw(self.place, self.variable, self.memory, setting, self.low, self.high, values, limit, number)
 
 
 class Scene:
@@ -75,16 +73,16 @@ class Scene:
             largest = float(np.max(tensions[index], initial=0.0))
             earlier[run.pair] = max(earlier.get(run.pair, 0.0), largest)
         self.range = max(float(np.ptp(run.drive)) for run in problem.runs)
-        self._kept: dict[tuple[str, str, int, int], FloatArray] = {}
+        self._kept: dict[tuple[str, str, int, int, int], FloatArray] = {}
 
-    def series(self, variable: Variable, place: Place, run: int, column: int) -> FloatArray:
+    def series(self, variable: Variable, place: Place, memory: Memory, run: int, column: int) -> FloatArray:
         """Return a variable at every row of a run, SI, (n,)."""
-        key = (variable, "sensor" if place == "sensor" else "", run, column)
+        key = (variable, "sensor" if place == "sensor" else "", int(memory == "friction"), run, column)
         if key not in self._kept:
-            self._kept[key] = self._series(variable, place, run, column)
+            self._kept[key] = self._series(variable, place, memory, run, column)
         return self._kept[key]
 
-    def _series(self, variable: Variable, place: Place, run: int, column: int) -> FloatArray:
+    def _series(self, variable: Variable, place: Place, memory: Memory, run: int, column: int) -> FloatArray:
         history, response = self.histories[run], self.responses[run]
         if variable == "position":
             pitch = self.pitch(run)
@@ -92,7 +90,7 @@ class Scene:
         here = response[:, column]
         if place != "sensor":
             here = self.curvature(run, column)
-        return variable_of(variable, history, self.tensions[run], here)
+        return variable_of(variable, history, self.tensions[run], here, memory)
 
     def pitch(self, run: int) -> float:
         """Return the mean pitch of a run's middle tube, m."""
@@ -107,7 +105,7 @@ class Scene:
 
     def remembered(self, cell: Cell, run: int, column: int) -> FloatArray:
         """Return the remembered variable of a cell at every row of a run, (n,)."""
-        series = self.series(cell.variable, cell.place, run, column)
+        series = self.series(cell.variable, cell.place, cell.memory, run, column)
         return remember(series, self.histories[run], cell.memory, cell.setting)
 
     def block(self, cell: Cell, run: int, column: int) -> FloatArray:
@@ -116,8 +114,7 @@ class Scene:
         found = basis(remembered, cell.low, cell.high, cell.count, cell.memory, cell.setting, cell.place)
         if cell.memory != "friction":
             return found
-        drive = self.histories[run].drive
-        way = (drive - follow(drive - cell.play, drive + cell.play)) / cell.play
+        way = rubbing(self.histories[run], cell.play)
         sign = 1.0 if cell.place in ("structure", "transmission") else -1.0
         return np.asarray(sign * way[:, np.newaxis] * found)
 
@@ -126,7 +123,7 @@ class Scene:
         lows, highs = [], []
         for run, column, rows in self.problem.sequences:
             if rows.size:
-                series = self.series(variable, place, run, column)
+                series = self.series(variable, place, memory, run, column)
                 seen = remember(series, self.histories[run], memory, setting)[rows]
                 lows.append(float(seen.min()))
                 highs.append(float(seen.max()))
@@ -163,17 +160,20 @@ def cells_of(scene: Scene) -> Iterator[Cell]:
         yield from _cells(scene, place, variable, "none", (0.0,))
     if released:
         plays = tuple(part * scene.range for part in PLAYS)
-        rubbing: tuple[tuple[Place, Variable], ...] = (
+        rubbed: list[tuple[Place, Variable]] = [
             ("drive", drive),
             ("structure", "curvature"),
             ("transmission", "curvature"),
             ("sensor", "curvature"),
-        )
-        for place, variable in rubbing:
+        ]
+        rubbed += [("tendon", "tension")] if driven else []
+        rubbed += [("drive", "time"), ("transmission", "time")] if clock else []
+        rubbed += [("transmission", "rate")] if clock and problem.holds["rates"] else []
+        for place, variable in rubbed:
             yield from _cells(scene, place, variable, "friction", plays)
     kept: list[tuple[Place, Variable]] = [("structure", "curvature"), ("drive", drive)]
     kept += [("tendon", "tension")] if driven else []
-    for place, variable in kept:
+    for place, variable in (*kept, ("transmission", "curvature")):
         carried = (0.0, 1.0) if variable == "tension" and len(problem.runs) > 1 else (0.0,)
         yield from _cells(scene, place, variable, "maximum", carried)
     for place in ("drive", "structure", "sensor"):

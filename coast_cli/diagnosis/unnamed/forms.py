@@ -108,14 +108,14 @@ def _forms(x: FloatArray, name: str) -> Iterator[tuple[str, tuple[Columns, list[
         lambda c, w: _sum(c, ("", f"tanh(({name} - {x[0]:.4g})/{w[0]:.4g})")),
     )
     yield (
-        "a line with a knee",
-        (lambda x, b: np.stack([one, x, np.maximum(x - b[0], 0.0)], 1), places),
-        lambda c, b: _sum(c, ("", name, f"max({name} - {b[0]:.4g}, 0)")),
-    )
-    yield (
         "a hump",
         (lambda x, s: np.stack([one, np.exp(-0.5 * ((x - s[0]) / s[1]) ** 2)], 1), humps),
         lambda c, s: _sum(c, ("", f"exp(-(({name} - {s[0]:.4g})/{s[1]:.4g})^2/2)")),
+    )
+    yield (
+        "a line with a knee",
+        (lambda x, b: np.stack([one, x, np.maximum(x - b[0], 0.0)], 1), places),
+        lambda c, b: _sum(c, ("", name, f"max({name} - {b[0]:.4g}, 0)")),
     )
 
 

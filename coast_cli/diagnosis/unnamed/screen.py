@@ -180,8 +180,8 @@ class Design:
         scene = Scene(problem, [p.response for p in predictions], [p.tension for p in predictions])
         self.cells = list(cells_of(scene))
         gains = {place: self._gain(fitted, place) for place in {cell.place for cell in self.cells}}
-        nuisance = self.white(self._moves(fitted))
-        self._basis = _orthonormal(nuisance)
+        size = problem.observed.size
+        self._basis = _orthonormal(self.white((fitted.jacobian[:size], fitted.jacobian[size:])))
         residual = self.white(
             (
                 (problem.observed - self.origin[0])[:, np.newaxis],
@@ -248,34 +248,6 @@ class Design:
         response = _stacked([scene.block(cell, i, c)[rows] for i, c, rows in problem.sequences], cell.count)
         tension = _stacked([scene.block(cell, i, 0)[rows] for i, rows in problem.tension_sequences], cell.count)
         return response * gain[0][:, np.newaxis], tension * gain[1][:, np.newaxis]
-
-    def _moves(self, fitted: Fit) -> tuple[FloatArray, FloatArray]:
-        """Return how fitted responses and tensions move with every parameter that is there already, (n, q) each."""
-        problem = self.problem
-        responses, tensions = [], []
-
-        def add(coordinates: FloatArray, effects: Sequence[Effect], step: float) -> None:
-            moved = problem.fitted(problem.predict(coordinates, effects))
-            responses.append((moved[0] - self.origin[0]) / step)
-            tensions.append((moved[1] - self.origin[1]) / step)
-
-        for place in range(fitted.coordinates.size):
-            coordinates = fitted.coordinates.copy()
-            coordinates[place] += 1e-3
-            add(coordinates, fitted.effects, 1e-3)
-        for index, effect in enumerate(fitted.effects):
-            values = np.array(effect.values())
-            for place, parameter in enumerate(effect.parameters):
-                step = 1e-3 * max(abs(values[place]), (parameter.high - parameter.low) * 1e-3)
-                step = -step if values[place] + step > parameter.high else step
-                moved = values.copy()
-                moved[place] += step
-                effects = (*fitted.effects[:index], effect.with_values(moved), *fitted.effects[index + 1 :])
-                add(fitted.coordinates, effects, step)
-        size, witness = problem.observed.size, problem.observed_tension.size
-        if not responses:
-            return np.zeros((size, 0)), np.zeros((witness, 0))
-        return np.stack(responses, axis=1), np.stack(tensions, axis=1)
 
 
 def _stacked(parts: Sequence[FloatArray], count: int) -> FloatArray:

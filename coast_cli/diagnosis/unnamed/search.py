@@ -3,21 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from coast_cli.diagnosis.fit import Fit, fit
 from coast_cli.diagnosis.joint.problem import JointProblem
-from coast_cli.diagnosis.unnamed.screen import Candidate, Screened, noise_colour
+from coast_cli.diagnosis.unnamed.screen import Candidate, Screened, noise_colour, screen_laws
 from coast_cli.effects.catalogue import in_order
 from coast_cli.effects.unnamed import Memory, Place, UnnamedLaw, Variable
 
 # Kinds of cells that are refitted in free run, and how far behind the leader's evidence the last of them may be.
-MOST_KINDS = 10
+MOST_KINDS = 8
+SECOND_KINDS = 4
+# Leading laws on which a second one is sought, where noise alone asks for it less often than this.
+LEADERS = 2
+WANTED = 0.01
 LEAST_SHARE = 0.6
 _LIMIT = 20.0  # times the amplitude that the screen found
 _SETTINGS = 2
+_RACE_STEPS = 6
+FINISHED = 4
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,8 +51,24 @@ class LawFit:
     def surprise(self) -> float:
         """Half the sum of squared whitened residuals over both kinds of rows, and half a log row for each amplitude, nats."""
         fitted, chosen = self.count
-        price = 0.5 * len(self.law.parameters) * np.log(max(fitted, 1))
+        numbers = sum(len(effect.parameters) for effect in self.fit.effects)
+        price = 0.5 * numbers * np.log(max(fitted, 1))
         return float(0.5 * (self.misfit * fitted + self.unseen * chosen) + price)
+
+
+@dataclass(frozen=True, slots=True)
+class Searched:
+    """What a search found.
+
+    Attributes:
+        p_value: how often noise alone asks as loudly for a law as the starting fit does. laws: least surprise first; those
+            of the leading place in the model, or pairs where one law leaves a second one wanted.
+        left: p-value of a further law on the leading one.
+    """
+
+    p_value: float
+    laws: tuple[LawFit, ...]
+    left: float
 
 
 def misfit(problem: JointProblem, fitted: Fit) -> tuple[float, int]:
@@ -59,6 +81,32 @@ def misfit(problem: JointProblem, fitted: Fit) -> tuple[float, int]:
         off = (problem.observed_tension - tension) / max(problem.tension_noise, 1e-15)
         total, count = total + float(off @ off), count + off.size
     return total / max(count, 1), count
+
+
+def search_laws(
+    problem: JointProblem, choosing: JointProblem, fitted: Fit, screened: Screened, *, seed: int = 0
+) -> Searched:
+    """Return laws that explain what a fit leaves: one, or two where the leading one leaves a second wanted.
+
+    Args:
+        problem: with the rows that are fitted. choosing: the same with the rows that choose.
+        fitted: base and effects that are there already. screened: what it asks for. seed: of the draws of noise.
+    """
+    number = 1 + sum(isinstance(effect, UnnamedLaw) for effect in fitted.effects)
+    laws = refit_laws(problem, choosing, fitted, screened, number=number)
+    if not laws:
+        return Searched(screened.p_value, (), screened.p_value)
+    further = [screen_laws(problem, law.fit, seed=seed) for law in laws[:LEADERS]]
+    left = further[0].p_value
+    if left > WANTED or number > 1:
+        return Searched(screened.p_value, laws, left)
+    pairs = [
+        pair
+        for law, asked in zip(laws[:LEADERS], further, strict=True)
+        for pair in refit_laws(problem, choosing, law.fit, asked, number=2, most=SECOND_KINDS)
+    ]
+    both = tuple(sorted((*laws, *pairs), key=lambda law: (law.surprise, law.kind)))
+    return Searched(screened.p_value, both, screen_laws(problem, both[0].fit, seed=seed).p_value)
 
 
 def refit_laws(
@@ -76,16 +124,25 @@ def refit_laws(
         problem: with the rows that are fitted. choosing: the same with the rows that choose.
         fitted: base and effects that are there already. screened: what it asks for. number: of the law in its model.
     """
-    found = []
+    started = []
     for candidate in _promising(screened, most):
-        limit = _LIMIT * candidate.scale()
-        law = candidate.cell.law(candidate.weights, limit, number)
-        whole = fit(problem, in_order((*fitted.effects, law)), fitted.coordinates)
-        mine = next(e for e in whole.effects if isinstance(e, UnnamedLaw) and e.number == number)
-        inside, count = misfit(problem, whole)
-        outside, unseen = misfit(choosing, whole)
-        found.append(LawFit(replace(mine, limit=limit), whole, inside, outside, (count, unseen)))
-    return _best_of_each_kind(found)
+        law = candidate.cell.law(candidate.weights, _LIMIT * candidate.scale(), number)
+        effects = in_order((*fitted.effects, law))
+        rough = fit(problem, effects, fitted.coordinates, steps=_RACE_STEPS, until="rough")
+        started.append(_asked(problem, choosing, rough, number))
+    finished = []
+    for one in _best_of_each_kind(started)[:FINISHED]:
+        whole = fit(problem, one.fit.effects, one.fit.coordinates, until="fine")
+        finished.append(_asked(problem, choosing, whole, number))
+    return _best_of_each_kind(finished)
+
+
+def _asked(problem: JointProblem, choosing: JointProblem, whole: Fit, number: int) -> LawFit:
+    """Return a fit with a law, asked of the rows that were fitted and of those that choose."""
+    mine = next(e for e in whole.effects if isinstance(e, UnnamedLaw) and e.number == number)
+    inside, count = misfit(problem, whole)
+    outside, unseen = misfit(choosing, whole)
+    return LawFit(mine, whole, inside, outside, (count, unseen))
 
 
 def _best_of_each_kind(found: Sequence[LawFit]) -> tuple[LawFit, ...]:
