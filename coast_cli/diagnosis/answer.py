@@ -12,9 +12,10 @@ from coast_cli.effects.effect import Effect
 if TYPE_CHECKING:
     from coast_cli.diagnosis.curves import JointCurve, ShapeCurve
     from coast_cli.diagnosis.spread import Spread
+    from coast_cli.diagnosis.unnamed.words import Description
     from coast_cli.spec.config import Config
 
-Verdict = Literal["agrees", "parameters", "physics", "sensor", "ambiguous", "unexplained", "insufficient"]
+Verdict = Literal["agrees", "parameters", "physics", "sensor", "ambiguous", "unnamed", "unexplained", "insufficient"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,6 +92,7 @@ class Diagnosis:
         model_tubes: numbers of its tubes by their keys there, one or one for each notch.
         curves: of every run, what the refitted base and the corrected model predict; none where nothing was fitted.
         model_spread: how sure the numbers of the corrected model are; None where that is not known.
+        unnamed: what is known of a law without a name, alone or beside the names; None where there is none.
     """
 
     verdict: Verdict
@@ -112,6 +114,7 @@ class Diagnosis:
     carried: Carried | None = None
     model_spread: Spread | None = None
     curves: tuple[JointCurve, ...] | tuple[ShapeCurve, ...] = ()
+    unnamed: Description | None = None
 
     def config_used(self, config: Config) -> Config:
         """Return the configuration that was diagnosed: as given, or corrected by what shapes taught."""

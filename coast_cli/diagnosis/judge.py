@@ -11,7 +11,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
 
 import numpy as np
 
@@ -35,6 +35,9 @@ from coast_cli.diagnosis.thresholds import (
 )
 from coast_cli.effects.effect import Effect
 from coast_cli.mechanics.section import FloatArray
+
+if TYPE_CHECKING:
+    from coast_cli.diagnosis.unnamed.words import Description
 
 _MOST_CHANGES = 100  # every change makes the leading set smaller, so that this is never reached
 
@@ -147,6 +150,11 @@ class Case(ABC):
         return self.contest.leading
 
     @cached_property
+    def described(self) -> Description | None:
+        """What is known of a law without a name; None where there is none."""
+        return None
+
+    @cached_property
     def rivals(self) -> tuple[Hypothesis, ...]:
         """Sets that explain as much."""
         return self.contest.alternatives()
@@ -161,7 +169,7 @@ class Case(ABC):
         """RMS that the leading set took from the base model's residual, SI."""
         return float(np.sqrt(max(self.contest.base.fit.rmse**2 - self.leading.fit.rmse**2, 0.0)))
 
-    def led_by(self, leading: Hypothesis) -> Case:
+    def led_by(self, leading: Hypothesis) -> Self:
         """Return the same with another leading set."""
         return replace(self, contest=replace(self.contest, leading=leading))
 
@@ -294,20 +302,22 @@ class Case(ABC):
             model_tubes=self.model_tubes(final),
             model_spread=self.model_spread(final),
             curves=self.curves(final),
+            unnamed=self.described,
         )
 
 
 VerdictRule = Callable[[Any], Case | Ruling | None]
+AnyCase = TypeVar("AnyCase", bound=Case)
 
 
-def judge(case: Case, rules: Sequence[VerdictRule]) -> tuple[Case, Ruling]:
+def judge(case: AnyCase, rules: Sequence[VerdictRule]) -> tuple[AnyCase, Ruling]:
     """Return the case as the rules leave it, and the ruling of the first that gives one; the last one always does."""
     for _ in range(_MOST_CHANGES):
         for rule in rules:
             outcome = rule(case)
             if isinstance(outcome, Ruling):
                 return case, outcome
-            if outcome is not None:
+            if isinstance(outcome, type(case)):
                 case = outcome
                 break
     raise ValueError("the rules came to no verdict")

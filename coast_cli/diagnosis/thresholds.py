@@ -101,6 +101,16 @@ SUREST = Threshold(0.95, "", "probability that no name exceeds: the concealed ca
 LEAST_SURE = Threshold(0.01, "", "probability that no name falls below", _REASON)
 TEMPER = Threshold(2.0, "", "by which nats between rivals are divided, as noise models are never right", _PILOT)
 
+# Laws without a name.
+LACK_OF_FIT = Threshold(
+    0.006, "", "share of draws of noise alone that ask as loudly for a law, under which more is wanted", _REASON
+)
+LEFT_TO_SAY = Threshold(0.5, "noise widths", "beyond the noise that are said to be left", _REASON)
+LAW_NATS = Threshold(8.0, "nats", "by which a law must be ahead of no law", _PILOT)
+LAW_UNSEEN = Threshold(3.0, "nats", "by which the rows that choose must be foretold better with a law", _PILOT)
+LAW_TIE = Threshold(4.0, "nats", "behind the leading law within which another one tells the same", _PILOT)
+REFUSING_NATS = Threshold(12.0, "nats", "by which a law elsewhere must be ahead of a name to refuse it", _PILOT)
+
 # What a recording can decide at all.
 FEWEST_SAMPLES = Threshold(12, "samples", "of a joint below which nothing is decided", _REASON)
 FEWEST_POINTS = Threshold(10, "points", "of shapes below which nothing is decided", _REASON)
@@ -133,6 +143,12 @@ SHORTEST_SHAPE_FOR_BLOCKS = Threshold(32, "points", "of a shape that is cut into
 FEWEST_IN_BRANCH = Threshold(8, "samples", "of a branch that counts as a part of a cycle", _REASON)
 LEAST_KEPT_BACK = Threshold(0.15, "of a run", "that is kept back after its first cycle, at least", _REASON)
 MOST_KEPT_BACK = Threshold(0.6, "of a run", "that is kept back after its first cycle, at most", _REASON)
+
+MOST_RUNS_IN_BLOCKS = Threshold(4, "runs", "from which on a whole run chooses among hypotheses", _REASON)
+MOST_UNSEEN_NOISE = Threshold(
+    1.5, "noise widths", "beyond the noise and the fit's doubt that unseen rows may lie", _REASON
+)
+UNSEEN_DOUBT = Threshold(1.9, "standard deviations", "of the fit's own doubt that unseen rows are granted", _REASON)
 
 ALL: dict[str, Threshold] = {name: value for name, value in list(globals().items()) if isinstance(value, Threshold)}
 

@@ -12,6 +12,7 @@ from coast_cli.output.diagnosis_words import axis_unit
 if TYPE_CHECKING:
     from coast_cli.diagnosis.answer import Carried, Diagnosis, Level, Named, SideBySide, Value
     from coast_cli.diagnosis.locate import Region
+    from coast_cli.diagnosis.unnamed.words import Description
     from coast_cli.output.diagnosis import DiagnosisAnswer
 
 
@@ -46,6 +47,7 @@ def _answers(found: Diagnosis, drive_unit: str, notes: list[str]) -> dict[str, A
         },
         "fit": None if found.comparison is None else _fit(found.comparison),
         "next_recording": found.next_recording,
+        "unnamed": None if found.unnamed is None else _unnamed(found.unnamed),
         "notes": notes,
         **({} if found.carried is None else _carried(found.carried)),
     }
@@ -74,6 +76,27 @@ def _carried(carried: Carried) -> dict[str, Any]:
             "used": carried.config is not None,
             "without": levels(carried.without),
             "with": levels(carried.with_it),
+        },
+    }
+
+
+def _unnamed(law: Description) -> dict[str, Any]:
+    return {
+        "stages": list(law.stages),
+        "variables": list(law.variables),
+        "memory": law.memory,
+        "rate": law.rate,
+        "dissipative": law.dissipative,
+        "equation": law.equation,
+        "words": law.words,
+        "parameters": {name: number(value) for name, value in law.parameters.items()},
+        "nearest": [{"id": identifier, "left_over": number(left)} for identifier, left in law.nearest],
+        "laws": [one.table() for one in law.laws],
+        "curve": {
+            "axis": law.axis,
+            "unit": law.unit,
+            "x": [number(value) for value in law.curve[0]],
+            "y": [number(value) for value in law.curve[1]],
         },
     }
 

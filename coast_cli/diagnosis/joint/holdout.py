@@ -13,6 +13,7 @@ from coast_cli.diagnosis.thresholds import (
     FEWEST_IN_BRANCH,
     LEAST_KEPT_BACK,
     MOST_KEPT_BACK,
+    MOST_RUNS_IN_BLOCKS,
     SHORTEST_FOR_BLOCKS,
 )
 from coast_cli.recordings.model import JointRun
@@ -84,3 +85,31 @@ def _blocks(runs: Sequence[JointRun]) -> HoldOut:
         rows.append(held)
     rule = "blocks of every run, as no whole run can be spared; this is weaker than a run that was not seen"
     return HoldOut(tuple(rows), (), rule, chosen=True)
+
+
+def hold_out_others(runs: Sequence[JointRun], before: HoldOut) -> HoldOut | None:
+    """Return a whole run to keep back instead of those kept back before, or None where none can be spared."""
+    if not before.runs:
+        return None
+    again = [*(run for run in runs if run.name in before.runs), *(run for run in runs if run.name not in before.runs)]
+    found = [name for name in _expendable(again) if name not in before.runs][:1]
+    rule = "a run whose bending length, pair and directions other runs also hold, after another one disagreed"
+    return whole_runs(runs, found, rule, chosen=True) if found else None
+
+
+def rows_that_choose(runs: Sequence[JointRun], certifying: HoldOut) -> HoldOut:
+    """Return rows of what is left that choose among hypotheses: a whole run where one can be spared, else blocks.
+
+    Args:
+        certifying: rows that are kept from every fit and every choice.
+    """
+    left = [run for run, rows in zip(runs, certifying.rows, strict=True) if not rows.any()]
+    found = _expendable(left)[-1:] if len(left) >= MOST_RUNS_IN_BLOCKS else ()
+    if found:
+        return whole_runs(runs, found, "a run whose conditions other runs also hold", chosen=True)
+    rows = []
+    for run, kept in zip(runs, certifying.rows, strict=True):
+        block = np.arange(len(run)) * int(BLOCKS) // max(len(run), 1)
+        long_enough = len(run) >= SHORTEST_FOR_BLOCKS and not kept.all()
+        rows.append(np.isin(block, (3, 6)) & ~kept if long_enough else np.zeros(len(run), bool))
+    return HoldOut(tuple(rows), (), "blocks of every run that is fitted", chosen=True)

@@ -3,22 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from coast_cli.diagnosis.answer import Diagnosis, Errors, SideBySide
-from coast_cli.diagnosis.contest import run_contest
+from coast_cli.diagnosis.answer import Diagnosis, Errors, Level, Named, SideBySide
+from coast_cli.diagnosis.contest import hypothesis, run_contest
 from coast_cli.diagnosis.curves import JointCurve
 from coast_cli.diagnosis.fit import Fit, fit, rms
+from coast_cli.diagnosis.holdout import HoldOut
 from coast_cli.diagnosis.joint.axes import locate_joint
 from coast_cli.diagnosis.joint.build import build_joint_problem
 from coast_cli.diagnosis.joint.errors import UNITS, errors_of, held_out_spread, to_unit
-from coast_cli.diagnosis.joint.holdout import hold_out
+from coast_cli.diagnosis.joint.holdout import hold_out, hold_out_others, rows_that_choose
+from coast_cli.diagnosis.joint.openworld import OpenWorld
 from coast_cli.diagnosis.joint.problem import CONFIG_KEYS, JointProblem
 from coast_cli.diagnosis.joint.structure import Structure, find_structure
+from coast_cli.diagnosis.joint.unseen import Unseen, foretold, strangers
 from coast_cli.diagnosis.joint.words import (
     FIRST_RECORDING,
     SAME_SWEEP_AGAIN,
@@ -46,6 +49,7 @@ from coast_cli.diagnosis.thresholds import (
     FAR_ABOVE_NOISE,
     FEWEST_SAMPLES,
     HARM,
+    LEFT_TO_SAY,
     MAX_HELD_OUT_SHARE,
     MAX_UNEXPLAINED_FRACTION,
     MAX_UNEXPLAINED_SHARE,
@@ -56,6 +60,9 @@ from coast_cli.diagnosis.thresholds import (
     STILL_NOISE,
     UNFELT,
 )
+from coast_cli.diagnosis.unnamed.search import LawFit
+from coast_cli.diagnosis.unnamed.words import Description, describe
+from coast_cli.effects.unnamed import UnnamedLaw
 from coast_cli.mechanics.section import FloatArray
 
 if TYPE_CHECKING:
@@ -83,16 +90,42 @@ def diagnose_joint(
     Raises:
         BadInput: a run to hold out does not exist.
     """
-    kept_back = hold_out(runs, named_hold_out)
-    problem = build_joint_problem(config, runs, kept_back.rows, without=without, noise=noise)
+    certifying = hold_out(runs, named_hold_out)
+    found = _judged(config, runs, certifying, most_effects, without, noise)
+    if not isinstance(found, Diagnosis):
+        case, ruling = found
+        if case.is_refused_by_unseen_rows and certifying.chosen:
+            # The rows kept back may be what differs: with others kept back in their place that can be seen.
+            other = hold_out_others(runs, certifying)
+            again = _judged(config, runs, other, most_effects, without, noise) if other is not None else None
+            if isinstance(again, tuple) and not again[0].is_refused_by_unseen_rows:
+                case, ruling = again
+        found = case.diagnosis(ruling)
+    return found
+
+
+def _judged(
+    config: Config,
+    runs: Sequence[JointRun],
+    certifying: HoldOut,
+    most_effects: int,
+    without: Sequence[str],
+    noise: float | None,
+) -> tuple[JointCase, Ruling] | Diagnosis:
+    """Return the judged case, or the whole answer where the recording cannot decide."""
+    choosing = rows_that_choose(runs, certifying)
+    fitted = [~(one | other) for one, other in zip(certifying.rows, choosing.rows, strict=True)]
+    known = build_joint_problem(config, runs, certifying.rows, without=without, noise=noise)
+    problem = known.only(fitted)
     reason = _insufficient(problem)
     if reason:
         kind = problem.runs[0].kind
         return Diagnosis(
             "insufficient", reason, to_unit(kind, problem.noise), UNITS[kind], next_recording=FIRST_RECORDING
         )
-    case, ruling = judge(JointCase(problem, kept_back, run_contest(problem, most_effects)), JOINT_RULES)
-    return case.diagnosis(ruling)
+    start = JointCase(problem, certifying, run_contest(problem, most_effects), choosing=choosing)
+    case, ruling = judge(start, JOINT_RULES)
+    return case, ruling
 
 
 def _insufficient(problem: JointProblem) -> str:
@@ -110,9 +143,18 @@ def _insufficient(problem: JointProblem) -> str:
 
 @dataclass(frozen=True)
 class JointCase(Case):
-    """A joint's contest to be judged."""
+    """A joint's contest to be judged.
+
+    Attributes:
+        choosing: rows that choose among hypotheses; ``kept_back`` are those that certify the choice.
+        law: a law without a name that leads, or stands beside the names; None where there is none.
+        told: what the law competed with.
+    """
 
     problem: JointProblem
+    choosing: HoldOut = field(kw_only=True)
+    law: LawFit | None = field(default=None, kw_only=True)
+    told: OpenWorld | None = field(default=None, kw_only=True)
 
     agrees = "the model as configured agrees with the recording within its noise"
     alike = "several sets of effects explain the recording alike"
@@ -138,6 +180,120 @@ class JointCase(Case):
         """Structure that the leading set leaves."""
         return find_structure(self.problem, self.leading.fit)
 
+    @cached_property
+    def open_world(self) -> OpenWorld:
+        """Names against laws without a name."""
+        return OpenWorld(self.problem, self.problem.only(self.choosing.rows), self.contest)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Ids of the leading set that have a name."""
+        return tuple(e.id for e in self.leading.fit.effects if not isinstance(e, UnnamedLaw))
+
+    @cached_property
+    def described(self) -> Description | None:
+        """What is said of the law that leads or stands beside the names; None where there is none."""
+        if self.law is None or self.told is None or len(self.names) == len(self.leading.ids):
+            return None
+        run = self.problem.runs[0]
+        nearest = () if self.names else self.told.nearest
+        return describe(self.told.alike(self.law), run.kind, nearest, driven_by_tension=run.stroke is None)
+
+    def in_widths(self, error: float | None) -> float:
+        """Return what an error, in the unit of tables, is beyond the noise, in noise widths."""
+        level = self.in_unit(self.problem.noise_estimate.level)
+        return float(np.sqrt(max((error or 0.0) ** 2 - level**2, 0.0)) / max(level, 1e-300))
+
+    @property
+    def explains_words(self) -> str:
+        """How much is explained and how much is left on rows that were not fitted, in noise widths."""
+        levels = self.comparison
+        unseen = levels.refitted.held_out is not None
+        before = self.in_widths(levels.refitted.held_out if unseen else levels.refitted.train)
+        after = self.in_widths(levels.with_effects.held_out if unseen else levels.with_effects.train)
+        explained = float(np.sqrt(max(before**2 - after**2, 0.0)))
+        rows = "rows that were not fitted" if unseen else "the rows that were fitted, as none could be kept back"
+        left = f"{after:.1f} are left" if after > LEFT_TO_SAY else "nothing beyond the noise is left"
+        return f"explains {explained:.1f} of {before:.1f} noise widths on {rows}; {left}"
+
+    @property
+    def missed_words(self) -> str:
+        """Which unseen rows are missed, and by how much."""
+        parts = []
+        if not self.certified.passed:
+            rows = f"run {', '.join(self.kept_back.runs)}" if self.kept_back.runs else "rows that were not fitted"
+            parts.append(f"{rows}: {self.certified.error:.1f} noise widths, {self.certified.allowed:.1f} allowed")
+        for name, unseen in sorted(self.strangers.items(), key=lambda item: -item[1].error):
+            parts.append(f"run {name}, foretold by the others: {unseen.error:.1f}, {unseen.allowed:.1f} allowed")
+        what = " + ".join(self.names) or "the base model"
+        return f"{what} does not foretell what it was not fitted to ({'; '.join(parts[:3])})"
+
+    def named(self, final: Fit) -> tuple[Named, ...]:
+        """Return the leading effects that have a name."""
+        return tuple(one for one in super().named(final) if one.id in self.names)
+
+    @cached_property
+    def known(self) -> JointProblem:
+        """The problem with the rows that were fitted and those that chose."""
+        return self.problem.only(self.kept_back.fitted)
+
+    @cached_property
+    def chosen_fit(self) -> Fit:
+        """The leading set, fitted to all rows that are known."""
+        return fit(self.known, self.leading.fit.effects, self.leading.fit.coordinates, steps=0)
+
+    @cached_property
+    def certified(self) -> Unseen:
+        """How the leading set foretells the certifying rows."""
+        return foretold(self.known, self.chosen_fit, self.kept_back.rows)
+
+    @cached_property
+    def strangers(self) -> dict[str, Unseen]:
+        """Runs that the others do not foretell, by name."""
+        return strangers(self.known, self.chosen_fit, self.contest.base.fit)
+
+    @property
+    def is_refused_by_unseen_rows(self) -> bool:
+        """Whether the certifying rows, or any run against the others, are missed by more than noise and doubt allow."""
+        return not self.certified.passed or bool(self.strangers)
+
+    def comparison_of(self, fitted: Fit) -> SideBySide:
+        """Return errors as configured, refitted and with a fit's effects, on the certifying rows."""
+        known, base = self.known, self.contest.base.fit
+        refitted = fit(known, (), base.coordinates, steps=0)
+        chosen = (
+            self.chosen_fit if fitted is self.leading.fit else fit(known, fitted.effects, fitted.coordinates, steps=0)
+        )
+        levels = []
+        for coordinates, effects in (
+            (self.problem.configured(), ()),
+            (refitted.coordinates, ()),
+            (chosen.coordinates, chosen.effects),
+        ):
+            train = self.errors(coordinates, effects, known.train)
+            out = self.errors(coordinates, effects, self.kept_back.rows) if self.kept_back.any else None
+            levels.append((Level(train.response, None if out is None else out.response), (out or train).tip_mm))
+        return SideBySide(
+            unit=self.unit,
+            held_out_runs=self.kept_back.runs,
+            rule=self.kept_back.rule,
+            configured=levels[0][0],
+            refitted=levels[1][0],
+            with_effects=levels[2][0],
+            tip_mm_refitted=levels[1][1],
+            tip_mm_with_effects=levels[2][1],
+        )
+
+    def missed(self, fitted: Fit) -> float | None:
+        """Return the error on the choosing rows, in the unit of tables; None where no rows choose."""
+        if not self.choosing.any:
+            return None
+        return self.errors(fitted.coordinates, fitted.effects, self.choosing.rows).response
+
+    def is_named(self, ruling: Ruling) -> bool:
+        """Return whether the leading set is named."""
+        return super().is_named(ruling) and ruling.verdict != "unnamed"
+
     def in_unit(self, value: float) -> float:
         """Return an SI response in the unit of tables."""
         return to_unit(self.problem.runs[0].kind, value)
@@ -158,8 +314,7 @@ class JointCase(Case):
 
     def noise_level(self, ruling: Ruling) -> float:
         """Return the noise that the recording shows, SI."""
-        leading = self.leading.fit
-        return leading.evidence.level if ruling.verdict != "unexplained" else min(self.floor, leading.rmse)
+        return self.problem.noise_estimate.level
 
     def where(self, ruling: Ruling, final: Fit) -> tuple[Region, ...]:
         """Return the regions that hold the base model's excess error."""
@@ -180,13 +335,13 @@ class JointCase(Case):
         scale = [values[parameter.name] if parameter.logarithmic else 1.0 for parameter in base]
         return spread_of(keys, [*scale, *[1.0] * (len(keys) - len(scale))], final.covariance)
 
-    def carries_over(self, fitted: Fit, comparison: SideBySide) -> bool:
+    def carries_over(self, fitted: Fit) -> bool:
         """Return whether most of the improvement is there on rows that were not fitted.
 
         Rows that the base model predicts within the noise cannot show an improvement, only harm. Elsewhere the error may
         be as large as the noise and what the fit does not know of its parameters make it.
         """
-        before, after = comparison.refitted.held_out, comparison.with_effects.held_out
+        before, after = self.missed(self.contest.base.fit), self.missed(fitted)
         if before is None or after is None:
             return True
         within = ABOVE_NOISE * self.in_unit(self.floor)
@@ -194,12 +349,14 @@ class JointCase(Case):
             return after < HARM * before
         if after < before and (after < within or after < MAX_HELD_OUT_SHARE * before):
             return True
-        unsure = held_out_spread(self.problem, fitted, self.kept_back.rows)
+        unsure = held_out_spread(self.problem, fitted, self.choosing.rows)
         return after < before and after < np.hypot(within, ABOVE_NOISE * unsure)
 
     def next_recording(self, ruling: Ruling) -> str:
         """Return what would settle what is open, in bench words."""
-        if self.rivals:
+        if ruling.verdict == "unnamed" and self.law is not None:
+            return self.law.law.decided_by
+        if self.rivals and self.described is None:
             from coast_cli.diagnosis.joint.plan import next_recording
 
             proposals = next_recording(self.problem, [self.leading.fit, *(rival.fit for rival in self.rivals[:3])])
@@ -232,11 +389,13 @@ def excess(fitted: Fit, floor: float, repeats: float, margin: float) -> float:
 
 def what_does_not_carry_over_is_dropped(case: JointCase) -> Case | None:
     """Rule: a set that does not predict unseen rows gives way to a part of it that does, or to the base model."""
+    if case.law is not None:
+        return None
     leading = case.leading
-    if not leading.ids or case.carries_over(leading.fit, case.comparison):
+    if not leading.ids or case.carries_over(leading.fit):
         return None
     for part in case.contest.parts():
-        if case.carries_over(part.fit, case.comparison_of(part.fit)):
+        if case.carries_over(part.fit):
             return case.led_by(part)
     base = case.contest.base
     remark = f"{' + '.join(leading.ids)} fits what was fitted but does not predict what was held out"
@@ -246,12 +405,14 @@ def what_does_not_carry_over_is_dropped(case: JointCase) -> Case | None:
 
 def what_is_redundant_is_dropped(case: JointCase) -> Case | None:
     """Rule: an effect of a set is dropped where unseen rows are predicted as well without it."""
-    after = case.comparison.with_effects.held_out
+    if case.law is not None:
+        return None
+    after = case.missed(case.leading.fit)
     if after is None or len(case.leading.ids) < 2:
         return None
     for part in case.contest.parts():
         if len(part.ids) == len(case.leading.ids) - 1:
-            without = case.comparison_of(part.fit).with_effects.held_out
+            without = case.missed(part.fit)
             if without is not None and without <= NEEDED * after:
                 return case.led_by(part)
     return None
@@ -259,6 +420,8 @@ def what_is_redundant_is_dropped(case: JointCase) -> Case | None:
 
 def what_vanished_is_dropped(case: JointCase) -> Case | None:
     """Rule: what the fit to all rows together does not hold is not named; the set without it is judged in its place."""
+    if case.law is not None:
+        return None
     gone = _vanished(case.problem, case.final(case.leading.fit))
     if not gone:
         return None
@@ -281,11 +444,39 @@ def _vanished(problem: JointProblem, final: Fit) -> set[str]:
     return found
 
 
+def laws_without_a_name_compete(case: JointCase) -> Case | None:
+    """Rule: a law that stands elsewhere and explains more takes the place of the names; what names leave is told beside."""
+    if case.law is not None:
+        return None
+    law = case.open_world.preferred or case.open_world.added
+    if law is None:
+        return None
+    leading = hypothesis(case.problem, law.fit)
+    return replace(case.led_by(leading), law=law, told=case.open_world)
+
+
+def a_law_without_a_name_leads(case: JointCase) -> Ruling | None:
+    """Rule: where no name is left, the law is what is answered; beyond two laws it is only a part."""
+    if case.described is None or case.names:
+        return None
+    if case.is_refused_by_unseen_rows:
+        return Ruling("unexplained", f"{case.missed_words}; a part of it: {case.described.words}")
+    return Ruling("unnamed", f"a law without a name {case.explains_words}. {case.described.words}")
+
+
+def unseen_rows_decide(case: JointCase) -> Ruling | None:
+    """Rule: what unseen rows contradict is not said, be it a name or that nothing is left out."""
+    return Ruling("unexplained", case.missed_words) if case.is_refused_by_unseen_rows else None
+
+
 JOINT_RULES: tuple[VerdictRule, ...] = (
     what_does_not_carry_over_is_dropped,
     what_is_redundant_is_dropped,
     what_vanished_is_dropped,
+    laws_without_a_name_compete,
+    a_law_without_a_name_leads,
     structure_is_left,
+    unseen_rows_decide,
     nothing_is_named,
     first_effect_is_disputed,
     effects_are_named,

@@ -69,6 +69,7 @@ def recorded_history(run: JointRun, index: int, first_time: float) -> Recorded:
         None if run.stroke is None else drive,
         drive if run.stroke is None else None,
         np.insert(run.bending_length, corners.before, run.bending_length[corners.before]),
+        run=index,
     )
     rows = np.arange(len(run)) + np.searchsorted(corners.before, np.arange(len(run)), side="right")
     return Recorded(index, history, rows)

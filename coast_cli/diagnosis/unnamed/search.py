@@ -17,7 +17,7 @@ from coast_cli.effects.unnamed import Memory, Place, UnnamedLaw, Variable
 MOST_KINDS = 8
 SECOND_KINDS = 4
 # Leading laws on which a second one is sought, where noise alone asks for it less often than this.
-LEADERS = 2
+LEADERS = 3
 WANTED = 0.01
 LEAST_SHARE = 0.6
 _LIMIT = 20.0  # times the amplitude that the screen found
@@ -84,21 +84,23 @@ def misfit(problem: JointProblem, fitted: Fit) -> tuple[float, int]:
 
 
 def search_laws(
-    problem: JointProblem, choosing: JointProblem, fitted: Fit, screened: Screened, *, seed: int = 0
+    problem: JointProblem, choosing: JointProblem, fitted: Fit, screened: Screened, *, most_laws: int = 2, seed: int = 0
 ) -> Searched:
     """Return laws that explain what a fit leaves: one, or two where the leading one leaves a second wanted.
 
     Args:
         problem: with the rows that are fitted. choosing: the same with the rows that choose.
-        fitted: base and effects that are there already. screened: what it asks for. seed: of the draws of noise.
+        fitted: base and effects that are there already. screened: what it asks for.
+        most_laws: that are added. seed: of the draws of noise.
     """
     number = 1 + sum(isinstance(effect, UnnamedLaw) for effect in fitted.effects)
     laws = refit_laws(problem, choosing, fitted, screened, number=number)
     if not laws:
         return Searched(screened.p_value, (), screened.p_value)
-    further = [screen_laws(problem, law.fit, seed=seed) for law in laws[:LEADERS]]
+    leaders = LEADERS if most_laws > 1 else 1
+    further = [screen_laws(problem, law.fit, seed=seed) for law in laws[:leaders]]
     left = further[0].p_value
-    if left > WANTED or number > 1:
+    if left > WANTED or most_laws < 2:
         return Searched(screened.p_value, laws, left)
     pairs = [
         pair

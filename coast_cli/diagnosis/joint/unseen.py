@@ -1,0 +1,114 @@
+"""How well a fit foretells rows that it has not seen, in noise widths, beside what noise and its own doubt allow."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from coast_cli.diagnosis.fit import Fit, fit, rms
+from coast_cli.diagnosis.joint.problem import JointProblem
+from coast_cli.diagnosis.space import Booleans
+from coast_cli.diagnosis.thresholds import FEWEST_IN_REGION, MOST_UNSEEN_NOISE, UNSEEN_DOUBT
+from coast_cli.effects.unnamed import UnnamedLaw
+from coast_cli.mechanics.section import FloatArray
+
+_MOST_CORRELATION = 0.95
+_MOST_SUSPECTS = 3
+
+
+@dataclass(frozen=True, slots=True)
+class Unseen:
+    """Rows that a fit has not seen: the error, and what is allowed, both in noise widths; and over how many rows."""
+
+    error: float
+    allowed: float
+    count: int
+
+    @property
+    def passed(self) -> bool:
+        """Whether the rows lie where noise and the fit's own doubt let expect them."""
+        return self.count < FEWEST_IN_REGION or self.error <= self.allowed
+
+
+def foretold(problem: JointProblem, fitted: Fit, rows: Sequence[Booleans]) -> Unseen:
+    """Return how well a fit foretells rows; ``problem`` is the one that it was fitted to."""
+    unseen = problem.only(rows)
+    residual, slopes = _residual_and_slopes(unseen, fitted)
+    return _judged(problem, residual, slopes, fitted.covariance)
+
+
+def strangers(problem: JointProblem, fitted: Fit, base: Fit) -> dict[str, Unseen]:
+    """Return by name the fitted runs that the others do not foretell: seen to first order, then refitted without the run.
+
+    A law without a name may bend anywhere, so a run that the others do not foretell speaks against it only where it does
+    worse there than ``base``, the fit of the base model.
+    """
+    suspects = {name: one for name, one in runs_against_the_rest(problem, fitted).items() if not one.passed}
+    worst = sorted(suspects, key=lambda name: (-suspects[name].error / suspects[name].allowed, name))[:_MOST_SUSPECTS]
+    found = {}
+    for name in worst:
+        mine = [
+            rows if run.name == name else 0 * rows > 0 for run, rows in zip(problem.runs, problem.train, strict=True)
+        ]
+        rest = problem.only([rows & ~own for rows, own in zip(problem.train, mine, strict=True)])
+        one = foretold(rest, fit(rest, fitted.effects, fitted.coordinates, steps=0), mine)
+        if any(isinstance(effect, UnnamedLaw) for effect in fitted.effects):
+            one = replace(one, allowed=max(one.allowed, foretold(rest, base, mine).error))
+        if not one.passed:
+            found[name] = one
+    return found
+
+
+def runs_against_the_rest(problem: JointProblem, fitted: Fit) -> dict[str, Unseen]:
+    """Return by name how well the other runs foretell each fitted run, to first order.
+
+    A run is left out of the fit by one Gauss-Newton step: parameters move to where the rest draws them (Cook and Weisberg,
+    Residuals and Influence in Regression, 1982, ch. 3).
+    """
+    size = problem.observed.size
+    residual, slopes = fitted.residual, fitted.jacobian[:size]
+    level = max(problem.floor, 1e-15)
+    spread = problem.space(fitted.effects).spread
+    prior = np.diag(1.0 / spread**2)
+    stretch = _stretch(problem)
+    owner = np.concatenate([np.full(rows.size, index) for index, _, rows in problem.sequences])
+    found = {}
+    for index in np.unique(owner).tolist():
+        mine = owner == index
+        if np.all(mine):
+            return {}
+        rest = slopes[~mine] / level
+        covariance = np.linalg.inv(rest.T @ rest / stretch + prior)
+        # At the optimum the whole gradient vanishes, so what the run pulls is what the rest would take back.
+        step = covariance @ (slopes[mine].T @ residual[mine]) / level**2 / stretch
+        found[problem.runs[index].name] = _judged(
+            problem, residual[mine] + slopes[mine] @ step, slopes[mine], covariance
+        )
+    return found
+
+
+def _stretch(problem: JointProblem) -> float:
+    """Return by how much coloured noise makes variances of parameters larger than white noise does."""
+    correlation = float(np.clip(problem.noise_estimate.correlation, 0.0, _MOST_CORRELATION))
+    return (1.0 + correlation) / (1.0 - correlation)
+
+
+def _judged(problem: JointProblem, residual: FloatArray, slopes: FloatArray, covariance: FloatArray) -> Unseen:
+    level = max(problem.floor, 1e-15)
+    doubt = float(np.sqrt(max(float(np.mean(np.einsum("ij,jk,ik->i", slopes, covariance, slopes))), 0.0)))
+    chance = _stretch(problem) / max(residual.size, 1)
+    allowed = MOST_UNSEEN_NOISE * (1.0 + np.sqrt(2.0 * chance))
+    return Unseen(rms(residual) / level, float(np.hypot(allowed, UNSEEN_DOUBT * doubt / level)), residual.size)
+
+
+def _residual_and_slopes(problem: JointProblem, fitted: Fit) -> tuple[FloatArray, FloatArray]:
+    space = problem.space(fitted.effects)
+    vector = space.joined(fitted.coordinates)
+    here = problem.residuals([space.split(vector)])[0]
+    slopes = space.jacobian(
+        lambda vectors: problem.residuals([space.split(one) for one in vectors]), vector, here, space.moving
+    )
+    size = problem.observed.size
+    return here[:size], slopes[:size]
