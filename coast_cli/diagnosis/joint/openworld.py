@@ -52,8 +52,10 @@ class OpenWorld:
 
     @property
     def is_complete(self) -> bool:
-        """Whether noise alone would ask as loudly for more than the leading names give."""
-        return self.asked.p_value > LACK_OF_FIT
+        """Whether the leading names leave no more than noise: in size, or as loudly as noise alone would ask for more."""
+        leading = self.contest.leading
+        small = bool(leading.ids) and self.left_over(leading.fit) < MAX_UNEXPLAINED_NOISE
+        return small or self.asked.p_value > LACK_OF_FIT
 
     @cached_property
     def instead(self) -> Searched:
@@ -72,8 +74,7 @@ class OpenWorld:
     @cached_property
     def scale(self) -> float:
         """Variance that even the closest explanation leaves, in the noise's: nats count by it."""
-        laws = [*self.instead.laws[:1], *self.beside.laws[:1]]
-        return max(1.0, min((law.misfit for law in laws), default=1.0))
+        return max(1.0, min((law.misfit for law in self.instead.laws[:1]), default=1.0))
 
     def surprise(self, fitted: Fit) -> float:
         """Return what the fitted and the choosing rows say against a fit, and what its numbers cost, nats."""

@@ -14,16 +14,16 @@ from coast_cli.effects.catalogue import in_order
 from coast_cli.effects.unnamed import Memory, Place, UnnamedLaw, Variable
 
 # Kinds of cells that are refitted in free run, and how far behind the leader's evidence the last of them may be.
-MOST_KINDS = 8
-SECOND_KINDS = 4
+MOST_KINDS = 6
+SECOND_KINDS = 3
 # Leading laws on which a second one is sought, where noise alone asks for it less often than this.
-LEADERS = 3
+LEADERS = 2
 WANTED = 0.01
 LEAST_SHARE = 0.6
 _LIMIT = 20.0  # times the amplitude that the screen found
-_SETTINGS = 2
-_RACE_STEPS = 6
-FINISHED = 4
+_SETTINGS = 1
+_RACE_STEPS = 4
+FINISHED = 2
 
 
 @dataclass(frozen=True, slots=True)
