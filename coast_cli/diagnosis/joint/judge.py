@@ -123,7 +123,9 @@ def _judged(
         return Diagnosis(
             "insufficient", reason, to_unit(kind, problem.noise), UNITS[kind], next_recording=FIRST_RECORDING
         )
-    start = JointCase(problem, certifying, run_contest(problem, most_effects), choosing=choosing)
+    start = JointCase(
+        problem, certifying, run_contest(problem, most_effects), choosing=choosing, has_laws=most_effects > 0
+    )
     case, ruling = judge(start, JOINT_RULES)
     return case, ruling
 
@@ -148,13 +150,14 @@ class JointCase(Case):
     Attributes:
         choosing: rows that choose among hypotheses; ``kept_back`` are those that certify the choice.
         law: a law without a name that leads, or stands beside the names; None where there is none.
-        told: what the law competed with.
+        told: what the law competed with. has_laws: whether laws without a name compete at all.
     """
 
     problem: JointProblem
     choosing: HoldOut = field(kw_only=True)
     law: LawFit | None = field(default=None, kw_only=True)
     told: OpenWorld | None = field(default=None, kw_only=True)
+    has_laws: bool = field(default=True, kw_only=True)
 
     agrees = "the model as configured agrees with the recording within its noise"
     alike = "several sets of effects explain the recording alike"
@@ -252,15 +255,34 @@ class JointCase(Case):
         """Runs that the others do not foretell, by name."""
         return strangers(self.known, self.chosen_fit, self.contest.base.fit)
 
-    @property
+    @cached_property
     def is_refused_by_unseen_rows(self) -> bool:
-        """Whether the certifying rows, or any run against the others, are missed by more than noise and doubt allow."""
-        return not self.certified.passed or bool(self.strangers)
+        """Whether unseen rows contradict the answer.
+
+        Where nothing is named, the certifying rows and every run against the others lie within what noise and doubt allow.
+        A name may leave a part of what it explains, which is said.
+        """
+        if not self.names:
+            return not self.certified.passed or bool(self.strangers)
+        if self.certified.passed:
+            return False
+        before = foretold(self.known, self.refitted_base, self.kept_back.rows)
+        return self.certified.error > MAX_UNEXPLAINED_SHARE * before.error
+
+    @cached_property
+    def refitted_base(self) -> Fit:
+        """The base model, fitted to all rows that are known."""
+        return fit(self.known, (), self.contest.base.fit.coordinates)
+
+    def final(self, fitted: Fit) -> Fit:
+        """Return the fit on every row, unless the user named runs that no fit may see."""
+        if self.kept_back.chosen:
+            return super().final(fitted)
+        return self.chosen_fit if fitted is self.leading.fit else self.refitted_base
 
     def comparison_of(self, fitted: Fit) -> SideBySide:
         """Return errors as configured, refitted and with a fit's effects, on the certifying rows."""
-        known, base = self.known, self.contest.base.fit
-        refitted = fit(known, (), base.coordinates, steps=0)
+        known, refitted = self.known, self.refitted_base
         chosen = (
             self.chosen_fit if fitted is self.leading.fit else fit(known, fitted.effects, fitted.coordinates, steps=0)
         )
@@ -446,7 +468,7 @@ def _vanished(problem: JointProblem, final: Fit) -> set[str]:
 
 def laws_without_a_name_compete(case: JointCase) -> Case | None:
     """Rule: a law that stands elsewhere and explains more takes the place of the names; what names leave is told beside."""
-    if case.law is not None:
+    if case.law is not None or not case.has_laws:
         return None
     law = case.open_world.preferred or case.open_world.added
     if law is None:
@@ -464,6 +486,13 @@ def a_law_without_a_name_leads(case: JointCase) -> Ruling | None:
     return Ruling("unnamed", f"a law without a name {case.explains_words}. {case.described.words}")
 
 
+def names_explain(case: JointCase) -> Ruling:
+    """Rule: the leading effects are named, and what they explain and leave is said in noise widths."""
+    ruling = effects_are_named(case)
+    beside = "" if case.described is None else f". What they leave: {case.described.words}"
+    return Ruling(ruling.verdict, f"{' + '.join(case.names)} {case.explains_words}{beside}")
+
+
 def unseen_rows_decide(case: JointCase) -> Ruling | None:
     """Rule: what unseen rows contradict is not said, be it a name or that nothing is left out."""
     return Ruling("unexplained", case.missed_words) if case.is_refused_by_unseen_rows else None
@@ -479,5 +508,5 @@ JOINT_RULES: tuple[VerdictRule, ...] = (
     unseen_rows_decide,
     nothing_is_named,
     first_effect_is_disputed,
-    effects_are_named,
+    names_explain,
 )

@@ -35,6 +35,8 @@ class Unseen:
 def foretold(problem: JointProblem, fitted: Fit, rows: Sequence[Booleans]) -> Unseen:
     """Return how well a fit foretells rows; ``problem`` is the one that it was fitted to."""
     unseen = problem.only(rows)
+    if unseen.observed.size == 0:
+        return Unseen(0.0, float(MOST_UNSEEN_NOISE), 0)
     residual, slopes = _residual_and_slopes(unseen, fitted)
     return _judged(problem, residual, slopes, fitted.covariance)
 

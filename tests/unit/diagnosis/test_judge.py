@@ -7,6 +7,7 @@ import pytest
 from coast_cli.diagnosis.joint.judge import (
     JOINT_RULES,
     excess,
+    names_explain,
     what_does_not_carry_over_is_dropped,
     what_is_redundant_is_dropped,
 )
@@ -109,9 +110,11 @@ def test_numbers_of_the_tubes_alone_are_parameters():
 def joint_case(*effects, carried=(), parts=(), before=1.0, after=1.0, of_parts=None):
     """Return a case whose sets in ``carried`` predict unseen rows; ``led_by`` says by what the case would be led."""
     facts = {
-        "carries_over": lambda fit, _: tuple(one.id for one in fit.effects) in carried,
-        "comparison": compared(before, after),
-        "comparison_of": lambda fit: compared(before, (of_parts or {}).get(tuple(e.id for e in fit.effects), before)),
+        "law": None,
+        "carries_over": lambda fit: tuple(one.id for one in fit.effects) in carried,
+        "missed": lambda fit: {**(of_parts or {}), tuple(e.id for e in effects): after}.get(
+            tuple(e.id for e in fit.effects), before
+        ),
         "contest": SimpleNamespace(parts=lambda: parts, base=hypothesis()),
         "led_by": lambda leading: leading.ids,
     }
@@ -171,6 +174,6 @@ def test_rules_that_come_to_no_verdict_are_an_error():
 
 @pytest.mark.parametrize("rules", [JOINT_RULES, SHAPE_RULES])
 def test_the_last_rule_always_rules_and_every_rule_says_what_it_is(rules):
-    assert rules[-1] is effects_are_named
+    assert rules[-1] in (effects_are_named, names_explain)
     assert all((rule.__doc__ or "").startswith("Rule: ") for rule in rules)
     assert len({rule.__name__ for rule in rules}) == len(rules)

@@ -22,7 +22,7 @@ def config():
 
     from coast_cli.spec.load import load_config
 
-    return load_config(Path(__file__).parents[3] / "configs" / "tubes.toml")
+    return load_config(Path(__file__).parents[4] / "configs" / "tubes.toml")
 
 
 def problem_of(config, lengths=(0.02,), *, tension_noise=None, bench=None, hold=0.0):
