@@ -165,7 +165,7 @@ def test_named_runs_are_held_out_and_no_fit_sees_them():
     assert other.attempts == ("backlash",)
     assert other.verdict == "unexplained"
     assert "run_2" in other.reason
-    assert other.comparison.with_effects.train == one.comparison.with_effects.train
+    assert other.comparison.with_effects.train == pytest.approx(one.comparison.with_effects.train, rel=1e-6)
     assert other.comparison.with_effects.held_out > 3.0 * one.comparison.with_effects.held_out
     with pytest.raises(BadInput, match="there is no such run"):
         diagnose(runs, named_hold_out=("run_7",))
