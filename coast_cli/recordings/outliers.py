@@ -90,8 +90,10 @@ def _next_of(values: Floats) -> Floats:
 
 def _scale(missed: Floats) -> Floats:
     """Return the usual size of what neighbours miss by: of the blocks around a sample, and at least that of all."""
-    edges = np.linspace(0, len(missed), max(len(missed) // BLOCK, 1) + 1).astype(int)
-    usual = np.array([np.median(part) for part in np.split(missed, edges[1:-1])])
+    size = min(BLOCK, len(missed))
+    count = len(missed) // size
+    usual = np.median(missed[: count * size].reshape(count, size), axis=1)
     around = np.maximum(usual, np.maximum(np.append(usual[1:], 0.0), np.append(0.0, usual[:-1])))
-    scale: Floats = np.maximum(np.repeat(around, np.diff(edges)), float(np.median(missed))) / 0.6744897501960817
+    each = np.repeat(around, np.append(np.full(count - 1, size), len(missed) - (count - 1) * size))
+    scale: Floats = np.maximum(each, float(np.median(missed))) / 0.6744897501960817
     return scale
