@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from coast_cli.mechanics.beam.continuation import follow
 from coast_cli.mechanics.beam.hanging import FIRST_NUMBER, MOST_NUMBER, follow_down
 from coast_cli.mechanics.beam.problem import AnyProblem, BeamProblem, Trace, march_shape, march_turns, rotation
-from coast_cli.mechanics.beam.start import Start, find_start
+from coast_cli.mechanics.beam.start import PLAIN_CELLS, Start, find_start
 from coast_cli.mechanics.section import FloatArray
 
 FINE_TURN = 0.04  # rad a step at most: a beam then errs by 1e-12 of its length
@@ -108,7 +108,7 @@ def solve_plain_turns(problem: AnyProblem) -> tuple[FloatArray, NDArray[np.bool_
 
     Enough are fine pieces, one equilibrium, and a coarse start so near that the turns are right to 1e-9 of the largest.
     """
-    start = find_start(problem)
+    start = find_start(problem, PLAIN_CELLS)
     bounds = problem.turn_bounds(start.moment)
     little = (np.max(bounds, axis=1, initial=0.0) <= SHORT_TURN).tolist()
     plain = start.found & (start.equilibria == 1) & (start.turned_at == 1.0) & (_fineness(bounds) == 0)

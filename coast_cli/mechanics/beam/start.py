@@ -18,7 +18,8 @@ from coast_cli.mechanics.beam.problem import AnyProblem, BeamProblem, Ripple, cl
 from coast_cli.mechanics.roots import increasing_root
 from coast_cli.mechanics.section import FloatArray
 
-COARSE_CELLS, LIGHT_CELLS, SHARP_CELLS = 12, 6, 64
+COARSE_CELLS, LIGHT_CELLS = 12, 6
+SHARP_CELLS, PLAIN_CELLS = 64, 14  # of the last start, where one march is all: to the last digit, or to 1e-9
 LIGHT_TURN = 2.0  # rad a step at most where there is one equilibrium: the sharp beam then corrects 1e-4 rad
 COARSE_TURN = 1.0  # rad a step at most, by a bound that is twice too large: it then errs by 1e-5 of its length
 SOFTEST = 100.0  # load number past which a beam hangs like a string and its tip no longer tells its clamp
@@ -56,8 +57,8 @@ class Start:
         return Start(*(getattr(self, item.name)[beams] for item in fields(self)))
 
 
-def find_start(problem: AnyProblem) -> Start:
-    """Return where to start each of m beams."""
+def find_start(problem: AnyProblem, cells: int = SHARP_CELLS) -> Start:
+    """Return where to start each of m beams; ``cells`` are of the homogenised beam that corrects the start last."""
     coarse = problem.coarse(COARSE_CELLS)
     natural = np.sum(np.abs(coarse.bend) + coarse.flexibility * np.abs(coarse.moment), axis=0)
     number = np.where(natural <= _MOST_TURN, coarse.load_number, np.inf)
@@ -69,7 +70,7 @@ def find_start(problem: AnyProblem) -> Start:
         equilibria=np.ones(coarse.count, dtype=np.int64),
         turned_at=np.ones(coarse.count),
     )
-    sharp = problem.coarse(SHARP_CELLS), problem.ripple(SHARP_CELLS)
+    sharp = problem.coarse(cells), problem.ripple(cells)
     light = np.flatnonzero(number < SURELY_ONE)
     _solve_light(problem.coarse(LIGHT_CELLS), sharp, light, start)
     for low, high in pairwise(_NUMBERS):
