@@ -179,11 +179,14 @@ def _passed(
 ) -> tuple[str, ...]:
     """Return a note for each known limit that a row passes, with the least bend that does."""
     webs, bend = Webs.of(joint), solution.curvature * length
+    unknown = np.full_like(bend, np.nan)
     pulled = Pulled(solution.stroke, solution.tendon_strain, solution.tension)
+    if joint.tendon is None:
+        pulled = Pulled(unknown, unknown, solution.tension)
     strain = webs.strain(solution.curvature)
     passed = [
         *web_limits(solution.curvature, webs, checks, closes="notch_closure" in acting),
-        *(tendon_limits(pulled, checks) if joint.tendon is not None else []),
+        *tendon_limits(pulled, checks),
     ]
     if not softens(joint, acting):
         words = f"web strain {float(strain.max()):.3g} above {PLATEAU_STRAIN:g}: nitinol softens, which the model leaves out"

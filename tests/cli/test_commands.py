@@ -379,3 +379,13 @@ def test_stroke_says_which_limits_are_passed(coast, reference):
         assert f"past a limit from 300 1/m over 40 mm: {words}" in far.err
     tense = coast("stroke", reference, "--stroke", "5", "--x2", "20,40")
     assert "past a limit from 54.28 1/m over 20 mm: web strain 0.00816 above 0.008" in tense.err
+
+
+def test_a_joint_without_a_tendon_is_held_to_its_tension(coast, reference_text, tmp_path):
+    start, end = reference_text.index("[tendon]"), reference_text.index("[joint]")
+    config = tmp_path / "tension.toml"
+    config.write_text(f"{reference_text[:start]}{reference_text[end:]}max_tension_n = 0.7\n", encoding="utf-8")
+    ran = coast("stroke", config, "--kappa", "10,20", "--x2", "20")
+    assert ran.code == 0
+    assert "past a limit from 20 1/m over 20 mm: tension above 0.7 N (checks.max_tension_n)" in ran.err
+    assert ran.err.count("past a limit") == 1
