@@ -46,7 +46,9 @@ def parser() -> argparse.ArgumentParser:
             # The seal's key is made of these words: score is given the same as make.
             step.add_argument("--seeds", type=_seeds, required=True, help="FIRST:LAST, the last not included")
             step.add_argument("--level", action="append", help="only these levels, in turn (repeat)")
-            step.add_argument("--effect", help="only this effect")
+            step.add_argument(
+                "--effect", action="append", help="only these effects, in turn (repeat); catalogue: all of it"
+            )
             step.add_argument("--shapes", action="store_true", help="shapes instead of joint recordings")
         if name in ("run", "all"):
             step.add_argument("--label", help="keep these answers as answers-LABEL: another answer on the same cases")
@@ -76,9 +78,15 @@ def parser() -> argparse.ArgumentParser:
 
 def asked(given: argparse.Namespace) -> list[Job]:
     """Return the cases that the words of a command ask for."""
-    levels = given.level or [None]
+    from examples.concealed.laws import JOINT_EFFECTS
+
+    # A camera's scale is a stiffness to curvature alone: there is nothing to conceal.
+    catalogue = [name for name in JOINT_EFFECTS if name != "camera_scale"]
+    levels: list[str | None] = given.level or [None]
+    effects: list[str | None] = catalogue if given.effect == ["catalogue"] else given.effect or [None]
     kind = "shape" if given.shapes else "joint"
-    return [(kind, seed, levels[i % len(levels)], given.effect) for i, seed in enumerate(given.seeds)]
+    turns = len(given.seeds)
+    return [(kind, given.seeds[i], levels[i % len(levels)], effects[i % len(effects)]) for i in range(turns)]
 
 
 def main(arguments: list[str] | None = None) -> int:
