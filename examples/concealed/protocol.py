@@ -128,7 +128,9 @@ def _run(
     knots = np.array(corners) / corners[-1] * duration
     sampled = np.arange(count) * dt
     sampled[1:-1] += rng.uniform(-jitter, jitter, count - 2) * dt
-    time = np.union1d(sampled, knots)
+    # A knot at a sampled time but for rounding would be a step of no duration.
+    near = np.abs(knots[:, None] - sampled).min(axis=1) < 1e-6 * dt
+    time = np.union1d(sampled, knots[~near])
     return time, np.interp(time, knots, drives), np.searchsorted(time, sampled).astype(np.int64)
 
 

@@ -11,7 +11,11 @@ def cases(words):
 def test_levels_and_effects_take_turns():
     assert cases("--seeds 3:6") == [("joint", seed, None, None) for seed in (3, 4, 5)]
     assert [level for _, _, level, _ in cases("--seeds 0:4 --level L0 --level L6")] == ["L0", "L6", "L0", "L6"]
-    assert [name for *_, name in cases("--seeds 0:3 --effect backlash --effect gravity")] == ["backlash", "gravity", "backlash"]
+    assert [name for *_, name in cases("--seeds 0:3 --effect backlash --effect gravity")] == [
+        "backlash",
+        "gravity",
+        "backlash",
+    ]
     assert cases("--seeds 0:1 --shapes --level L0") == [("shape", 0, "L0", None)]
 
 
