@@ -19,6 +19,7 @@ from coast_cli.design.snapping import Snaps, snaps
 from coast_cli.errors import UsageError
 from coast_cli.mechanics.pairs import Assembly, PairTable, pair_table
 from coast_cli.mechanics.section import FloatArray, SectionKind
+from coast_cli.rows import Rows
 from coast_cli.spec.build import Design, build
 from coast_cli.spec.config import Config
 from coast_cli.units import DEGREE, MILLIMETRE
@@ -47,8 +48,8 @@ class RankOptions:
             raise UsageError("weights: allowed: three numbers from 0, at least one of them above 0.")
 
 
-@dataclass(frozen=True)
-class Ranking:
+@dataclass(frozen=True, repr=False)
+class Ranking(Rows):
     """The pairs in order.
 
     Attributes:
@@ -58,6 +59,10 @@ class Ranking:
 
     columns: Mapping[str, Any]
     notes: tuple[str, ...]
+
+    def _table(self) -> list[dict[str, Any]]:
+        count = len(next(iter(self.columns.values()), ()))
+        return [{name: column[row] for name, column in self.columns.items()} for row in range(count)]
 
 
 def rank(config: Config, options: RankOptions | None = None) -> Ranking:

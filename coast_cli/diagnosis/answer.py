@@ -116,6 +116,25 @@ class Diagnosis:
     curves: tuple[JointCurve, ...] | tuple[ShapeCurve, ...] = ()
     unnamed: Description | None = None
 
+    def __repr__(self) -> str:
+        """Return the answers in a few lines."""
+        effects = "; ".join(
+            f"{effect.title} ({effect.id}, confidence {100.0 * effect.confidence:.0f} %)" for effect in self.effects
+        )
+        fitted = ", ".join(f"{name} {value.value:.5g} +- {value.std:.2g}" for name, value in self.parameters.items())
+        lines = [f"Diagnosis: {self.verdict}. {self.reason}"]
+        lines += [f"  named: {effects or 'nothing'}", f"  fitted: {fitted or 'nothing'}"]
+        if self.comparison is not None and self.comparison.with_effects.held_out is not None:
+            level = self.comparison.with_effects.held_out
+            lines.append(f"  held-out error {level:.3g}, noise {self.noise:.3g} {self.noise_unit}")
+        return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        """Return the answers for a notebook."""
+        from html import escape
+
+        return f"<pre>{escape(repr(self))}</pre>"
+
     def config_used(self, config: Config) -> Config:
         """Return the configuration that was diagnosed: as given, or corrected by what shapes taught."""
         return config if self.carried is None or self.carried.config is None else self.carried.config

@@ -13,6 +13,7 @@ from coast_cli.diagnosis.joint.errors import UNITS, tip_of, to_unit
 from coast_cli.diagnosis.shapes.problem import build_shape_problem
 from coast_cli.recordings.noise import NoiseEstimate, Series, pooled_noise, recording_noise, run_noises
 from coast_cli.recordings.summary import known_noise
+from coast_cli.rows import Rows
 from coast_cli.units import DEGREE, MILLIMETRE
 
 if TYPE_CHECKING:
@@ -66,8 +67,8 @@ class ShapeErrors:
     distance: Floats
 
 
-@dataclass(frozen=True, eq=False)
-class Comparison:
+@dataclass(frozen=True, eq=False, repr=False)
+class Comparison(Rows):
     """Every run of a call against one model, in the order of the files; ``known_noise`` is the camera's, SI."""
 
     joint: tuple[JointErrors, ...]
@@ -81,6 +82,9 @@ class Comparison:
         rows += [_row(one.run.name, (), [one], _shape_noise([one])) for one in self.shape]
         pooled = _row(POOLED, self.joint, self.shape, self._noise())
         return [*rows, _mean(rows, pooled), pooled] if len(rows) > 1 else [*rows, pooled]
+
+    def _table(self) -> list[dict[str, str | float | int | None]]:
+        return self.rows()
 
     def _noise(self) -> NoiseEstimate | None:
         if len(_units(self.joint, self.shape)) != 1:

@@ -13,6 +13,7 @@ from typing import IO, TYPE_CHECKING, Any
 from coast_cli.errors import UsageError
 from coast_cli.output.atomic import check_suffix, write_files
 from coast_cli.output.standard_streams import to_stdout
+from coast_cli.output.view import stdout_width
 
 if TYPE_CHECKING:
     from coast_cli.diagnosis.answer import Diagnosis
@@ -104,7 +105,9 @@ def write_diagnosis(answer: DiagnosisAnswer, outputs: Outputs) -> None:
         contents[outputs.report] = report(answer).encode()
     write_files({path: partial(_put, content) for path, content in contents.items()}, binary=True)
     if not outputs.quiet:
-        to_stdout(partial(_renderer(outputs.format or "table"), answer))
+        shown = outputs.format or "table"
+        fitted = {"width": stdout_width()} if shown == "table" else {}
+        to_stdout(partial(_renderer(shown), answer, **fitted))
 
 
 def _text(answer: DiagnosisAnswer, format: str) -> bytes:
@@ -117,6 +120,6 @@ def _put(content: bytes, stream: IO[Any]) -> None:
     stream.write(content)
 
 
-def _renderer(format: str) -> Callable[[DiagnosisAnswer, IO[str]], None]:
-    found: Callable[[DiagnosisAnswer, IO[str]], None] = import_module(RENDERERS[format]).render
+def _renderer(format: str) -> Callable[..., None]:
+    found: Callable[..., None] = import_module(RENDERERS[format]).render
     return found

@@ -40,9 +40,9 @@ _MOST_REGIONS = 5
 _MOST_NOTES = 8
 
 
-def render(answer: DiagnosisAnswer, stream: IO[str]) -> None:
-    """Write the page."""
-    page = _Page(stream)
+def render(answer: DiagnosisAnswer, stream: IO[str], *, width: int | None = None) -> None:
+    """Write the page, 80 columns wide or as the terminal is where that is less."""
+    page = _Page(stream, min(width or WIDTH, WIDTH))
     _answers(page, answer)
     carried = answer.diagnosis.carried
     if carried is not None:
@@ -79,14 +79,16 @@ def _answers(page: _Page, answer: DiagnosisAnswer) -> None:
 
 
 class _Page:
-    """Lines of at most 80 columns."""
+    """Lines of at most so many columns."""
 
-    def __init__(self, stream: IO[str]) -> None:
-        self._stream = stream
+    def __init__(self, stream: IO[str], width: int) -> None:
+        self._stream, self._width = stream, width
 
     def say(self, text: str, indent: str = _INDENT) -> None:
         """Write a paragraph."""
-        for line in wrap(text, WIDTH, initial_indent=indent, subsequent_indent=indent, break_long_words=False):
+        for line in wrap(
+            text, self._width, initial_indent=indent, subsequent_indent=indent, break_long_words=self._width < WIDTH
+        ):
             self._stream.write(f"{line}\n")
 
     def heading(self, text: str) -> None:
@@ -98,7 +100,7 @@ class _Page:
         """Write a small table, the first column to the left, figures to the right."""
         from rich.console import Console
 
-        console = Console(file=self._stream, width=WIDTH - len(_INDENT), highlight=False, color_system=None)
+        console = Console(file=self._stream, width=self._width - len(_INDENT), highlight=False, color_system=None)
         with console.capture() as capture:
             console.print(_table(names, rows))
         self._stream.writelines(f"{_INDENT}{line.rstrip()}\n" for line in capture.get().splitlines())

@@ -126,6 +126,7 @@ class ShapeRun:
         return "/".join(name for name in (self.outer, self.middle) if name)
 
 
+_MOST_SHOWN = 10
 Run = TypeVar("Run", bound=JointRun | ShapeRun)
 
 
@@ -154,6 +155,14 @@ class Recordings:
     shape: Recording[ShapeRun] | None = None
     sources: tuple[tuple[str, str], ...] = field(default=())
     notes: tuple[str, ...] = field(default=())
+
+    def __repr__(self) -> str:
+        """Return which runs there are, in a few lines."""
+        joint, shape = self.joint.runs if self.joint else (), self.shape.runs if self.shape else ()
+        lines = [f"  {run.name}: {run.pair}, {len(run)} rows" for run in joint[:_MOST_SHOWN]]
+        lines += [f"  {run.name}: {run.pair}, {len(run)} points" for run in shape[:_MOST_SHOWN]]
+        more = len(self.run_names) - len(lines)
+        return "\n".join([f"Recordings: {len(self.run_names)} runs", *lines, *([f"  and {more} more"] if more else [])])
 
     @property
     def run_names(self) -> tuple[str, ...]:

@@ -33,7 +33,7 @@ AnyRun = TypeVar("AnyRun", JointRun, ShapeRun)
 
 
 def read_recordings(
-    paths: Sequence[str | Path],
+    paths: str | Path | Sequence[str | Path],
     config: Config | None = None,
     *,
     columns: Mapping[str, str] | ColumnMapping | None = None,
@@ -54,6 +54,8 @@ def read_recordings(
         BadInput: with file, line and column of the first thing that is wrong.
     """
     defaults = defaults_of(config, pair, bending_length_mm)
+    if isinstance(paths, str | Path):
+        paths = [paths]
     if not paths:
         raise BadInput("no recording given", allowed="one or more CSV files")
     names = [str(path) for path in paths]

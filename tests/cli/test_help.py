@@ -83,6 +83,14 @@ def test_rows_and_columns_are_chosen_in_every_format(coast, reference):
     assert "Did you mean score?" in ran.err
 
 
+@pytest.mark.parametrize("width", [30, 60, 200])
+def test_the_page_of_a_diagnosis_fits_the_terminal(coast, reference, monkeypatch, width):
+    monkeypatch.setenv("COLUMNS", str(width))
+    ran = coast("diagnose", reference, RECORDING, "--max-effects", "1", "-q")
+    assert ran.code == 0
+    assert max(map(len, ran.out.splitlines())) <= min(width, 80)
+
+
 @pytest.mark.parametrize("width", [20, 60, 80, 120, 200])
 def test_tables_fit_the_terminal(coast, reference, monkeypatch, width):
     monkeypatch.setenv("COLUMNS", str(width))

@@ -24,6 +24,7 @@ from coast_cli.diagnosis.joint.calibrate import (
 from coast_cli.diagnosis.joint.errors import UNITS, to_unit
 from coast_cli.diagnosis.spread import Spread
 from coast_cli.errors import BadInput, nearest
+from coast_cli.rows import Rows
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -59,8 +60,8 @@ class CalibrationErrors:
     calibrated: Mapping[str, float]
 
 
-@dataclass(frozen=True, eq=False)
-class Calibration:
+@dataclass(frozen=True, eq=False, repr=False)
+class Calibration(Rows):
     """What a calibration found.
 
     Attributes:
@@ -94,6 +95,9 @@ class Calibration:
             names = {estimate.parameter.name for estimate in part.fitted.estimates}
             rows += [self._row(part.name, part.fitted, p, part.distance) for p in self.parameters if p.name in names]
         return rows
+
+    def _table(self) -> list[Row]:
+        return self.rows()
 
     def _row(
         self, subset: str, fitted: CalibrationFit, parameter: Calibratable, distance: Mapping[str, float] | None
