@@ -123,7 +123,7 @@ def leave_one_out(judged: list[Judgement]) -> Figure:
     parts = (
         ("stage, variable, memory and rate right", "tab:green", lambda j: bool(j.described)),
         ("no name", "tab:blue", lambda j: not j.described and j.said_class in ("unknown", "undecided")),
-        ("agrees", "tab:orange", lambda j: j.said_class in ("none", "parameter", "failed")),
+        ("agrees, or no answer", "tab:orange", lambda j: j.said_class in ("none", "parameter", "failed")),
         ("a wrong name", "tab:red", lambda j: j.said_class in ("physics", "sensor")),
     )
     figure, axes = plt.subplots(figsize=(6.4, 1.6 + 0.24 * max(len(laws), 1)), layout="constrained")
@@ -134,5 +134,6 @@ def leave_one_out(judged: list[Judgement]) -> Figure:
         left += width
     axes.set_xlabel("cases")
     axes.tick_params(labelsize=8)
-    axes.legend(fontsize=7, loc="upper center", bbox_to_anchor=(0.4, 1.0 + 0.9 / max(len(laws), 6)), ncols=2)
+    axes.xaxis.get_major_locator().set_params(integer=True)
+    figure.legend(fontsize=8, loc="outside upper center", ncols=2)
     return figure

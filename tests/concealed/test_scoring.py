@@ -128,6 +128,22 @@ def test_an_interrupted_run_leaves_only_whole_answers(made, cases, monkeypatch):
     assert answered(made, monkeypatch, cases, oracle)
 
 
+def test_what_the_catalogue_does_not_hold_is_not_concealed_from_it(tmp_path, monkeypatch):
+    asked = []
+
+    def coast(*words, **_root):
+        asked.append(words[words.index("--without") + 1] if "--without" in words else "")
+        known = "newer" not in asked[-1]
+        return (0, json.dumps(said("agrees")), "") if known else (3, "", "no such effect to leave out; found 'newer'.")
+
+    monkeypatch.setattr(runner, "coast", coast)
+    question = runner.Question(tmp_path, tmp_path / "case", without=("backlash", "newer"))
+    found = runner.ask(question, [], None)
+    assert asked == ["backlash,newer", "backlash"]
+    assert found["without"] == ["backlash"]
+    assert found["diagnosis"]["verdict"] == "agrees"
+
+
 def test_answers_of_another_kind_stand_beside_ours_by_the_same_rules(made, cases, monkeypatch):
     answered(made, monkeypatch, cases, oracle)
     monkeypatch.setattr(
