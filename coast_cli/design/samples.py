@@ -24,6 +24,7 @@ from coast_cli.mechanics.tubes import block_size
 from coast_cli.spec.build import Design
 
 BLOCK = 2048  # samples at most; fewer where tubes have many notches, so that memory is bounded
+_COMPILED_BLOCK = 256  # samples whose tables stay in the cache; the kernel loses nothing by short rows
 WORTH_COMPILING = 15_000_000  # notches of all samples, from which on the kernel of [fast] is worth its loading
 Keep = Callable[[Mapping[str, FloatArray]], None]
 
@@ -103,7 +104,7 @@ def solve_block(task: Task) -> Mapping[str, FloatArray]:
     design, (outer, middle) = task.design, (task.design.tube(name) for name in task.pair)
     varied = variation(design.config, (outer, middle))
     draws = shares(task.seed, len(varied.inputs), task.first, task.count)
-    return make_pair(design, varied, (outer, middle), draws, compiled=task.compiled).columns
+    return make_pairs(design, varied, (outer, middle), draws, compiled=task.compiled)
 
 
 def shares(seed: int, inputs: int, first: int, count: int) -> FloatArray:
@@ -114,12 +115,18 @@ def shares(seed: int, inputs: int, first: int, count: int) -> FloatArray:
 
 
 def make_pairs(
-    design: Design, varied: Variation, tubes: tuple[NotchedTube, NotchedTube], draws: FloatArray
+    design: Design,
+    varied: Variation,
+    tubes: tuple[NotchedTube, NotchedTube],
+    draws: FloatArray,
+    *,
+    compiled: bool = False,
 ) -> Mapping[str, FloatArray]:
     """Return the figures of a pair for each row of probabilities, shape (m, inputs), block by block."""
-    step = samples_in_block(tubes)
+    step = min(samples_in_block(tubes), _COMPILED_BLOCK if compiled else BLOCK)
     parts = [
-        make_pair(design, varied, tubes, draws[first : first + step]).columns for first in range(0, len(draws), step)
+        make_pair(design, varied, tubes, draws[first : first + step], compiled=compiled).columns
+        for first in range(0, len(draws), step)
     ]
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
