@@ -31,6 +31,7 @@ from coast_cli.mechanics.section import FloatArray
 EffectsKey = frozenset[Variant]
 _GROWN_FROM = 2  # sets that are grown further
 _ALWAYS_FINISHED = 2
+_DIGITS = 4  # of nats that order a race
 _UNSEEN = 1e-12  # share of the residual under which a start changes nothing
 
 
@@ -254,7 +255,12 @@ def _worth_growing(problem: Problem, frontier: Sequence[Hypothesis], grown: Hypo
 def plain_error(problem: Problem, fitted: Fit) -> float:
     """Return half the white log variance times the number of samples, and its parameters' price: smaller is better."""
     error = sum(residual.size * np.log(max(rms(residual), 1e-300)) for residual in fitted.residuals)
-    return float(error) + int(problem.space(fitted.effects).pays.sum())
+    return _coarse(float(error)) + int(problem.space(fitted.effects).pays.sum())
+
+
+def _coarse(nats: float) -> float:
+    """Return nats to the digits in which processors agree, so that equals keep the order in which they are listed."""
+    return round(nats, _DIGITS)
 
 
 def _by_plain_error(problem: Problem, hypotheses: Iterable[Hypothesis]) -> list[Hypothesis]:
@@ -301,13 +307,13 @@ def screen(problem: Problem, parent: Fit, candidates: Sequence[Contender]) -> li
             amount = -float(change @ residual) / size
             helps = amount > 0.0 or problem.two_sided(start)
             gain = 0.5 * amount**2 * size if helps else 0.0
-            steps.append((gain, problem.scaled(start, amount if helps else abs(amount))))
+            steps.append((_coarse(gain), problem.scaled(start, amount if helps else abs(amount))))
         steps.sort(key=lambda pair: -pair[0])
         kept = [
             effect for gain, effect in steps[: problem.effort.starts] if gain >= problem.effort.second * steps[0][0]
         ]
         if kept and steps[0][0] >= problem.effort.least_gain:
             found.append(Promising(candidate, tuple(kept), steps[0][0]))
-    found.sort(key=lambda one: -one.gain)
+    found.sort(key=lambda one: -_coarse(one.gain))
     least = problem.effort.least_share * found[0].gain if found else 0.0
     return [one for one in found if one.gain >= least or one.candidate.expected]

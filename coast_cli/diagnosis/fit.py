@@ -25,6 +25,8 @@ _TIGHT_STEPS = 20
 _SIZES_FIRST = 3  # steps in which what only shapes an effect stays where it starts
 # Share of the cost that a further step may still gain where a pass has settled: each only leads to the next.
 _ROUGH, _FINE, _TIGHT = 5e-4, 2e-4, 1e-10
+# Share of a parameter's scale to which each pass rounds its steps: what is finer is not printed, and differs by processor.
+_COARSE_GRID, _FINE_GRID = 1e-5, 1e-6
 _SMALLEST_LEVEL = 1e-15
 Pass = Literal["rough", "fine", "tight"]
 
@@ -105,7 +107,8 @@ def fit(
     space = problem.space(effects)
     base = np.array([c.inner(c.value) for c in space.base]) if start is None else start
     weighing = _Weighing(problem, space)
-    vector = space.joined(base)
+    grid = space.grid(_COARSE_GRID)
+    vector = np.clip(np.rint(space.joined(base) / grid) * grid, space.low, space.high)
     weighing.white(weighing.residual(vector))
     first = min(steps, _SIZES_FIRST) if np.any(space.late & space.moving) else 0
     if first:
@@ -184,7 +187,15 @@ class _Weighing:
             return np.concatenate([self.weighted(raw), pull_slopes])
 
         return descend(
-            residual, jacobian, vector, space.low, space.high, steps=steps, tolerance=tolerance, reach=space.reach
+            residual,
+            jacobian,
+            vector,
+            space.low,
+            space.high,
+            steps=steps,
+            tolerance=tolerance,
+            reach=space.reach,
+            grid=space.grid(_FINE_GRID if central else _COARSE_GRID),
         )
 
 

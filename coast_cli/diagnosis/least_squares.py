@@ -63,6 +63,7 @@ def descend(
     steps: int,
     tolerance: float,
     reach: Floats | None = None,
+    grid: Floats | None = None,
     robust: bool = False,
 ) -> Descent:
     """Minimise half the sum of squares of a residual between bounds, by at most so many steps.
@@ -72,6 +73,7 @@ def descend(
         start: [p], inside the bounds. lower, upper: [p], may be infinite.
         tolerance: the descent has settled where a whole step foretells a fall of the cost below this share of it.
         reach: longest step of each parameter, [p], as a bound on the step; the others follow.
+        grid: spacing to which steps are rounded, [p], so that the last bits of a processor lead nowhere else.
         robust: soft-L1 loss, which grows linearly past residuals of 1.
     """
     x, fun = start.copy(), residual(start)
@@ -95,8 +97,9 @@ def descend(
             low, high = np.maximum(low, -reach), np.minimum(high, reach)
         for _ in range(_TRIALS):
             step = _step(weighted / unit, target, radius, free, low * unit, high * unit) / unit
-            trial = np.clip(x + step, lower, upper)
-            trial_fun = residual(trial)
+            trial = x + step if grid is None else np.rint((x + step) / grid) * grid
+            trial = np.clip(np.where(step == 0.0, x, trial), lower, upper)
+            trial_fun = fun if np.array_equal(trial, x) else residual(trial)
             trial_cost = _cost(trial_fun, robust=robust)
             moved = weighted @ (trial - x)
             expected = -float(target @ moved) - 0.5 * float(moved @ moved)

@@ -21,7 +21,7 @@ from coast_cli.mechanics.section import FloatArray
 Booleans = NDArray[np.bool_]
 Point = tuple[FloatArray, tuple[Effect, ...]]
 
-_DIFFERENCE = 1e-4  # of a coordinate's scale
+_DIFFERENCE = 1e-3  # of a coordinate's scale: wide enough to see past the kinks of tables and knees
 # Prior widths by which a coordinate is held, at least its null and at most its range: it moves nothing that is seen.
 _HOLD = 4.0
 
@@ -33,7 +33,7 @@ class Coordinate:
     Attributes:
         name: as users know it. value: where it stands, low, high: bounds, all in its own unit.
         width: prior standard deviation, as a coordinate. scale: size over which it matters, for differences.
-        mean: its prior's middle, as a coordinate; None where nothing is expected. null: the middle of what holds it.
+        mean: its prior's middle, as a coordinate; None where nothing is expected. null: where it is held.
         reach: longest step of a fit. logarithmic: whether the coordinate is the logarithm.
         late: says how an effect acts, not how strongly; a fit moves it after the others.
         pays: whether evidence charges for it.
@@ -127,6 +127,15 @@ class ParameterSpace:
         return np.array([c.reach for c in self.coordinates])
 
     @cached_property
+    def scale(self) -> FloatArray:
+        """Size over which each coordinate matters (q,)."""
+        return np.array([c.scale for c in self.coordinates])
+
+    def grid(self, share: float) -> FloatArray:
+        """Return a spacing (q,) of about this share of the scale, a power of two so that rounding to it is exact."""
+        return np.asarray(2.0 ** np.floor(np.log2(share * np.maximum(self.scale, 1e-300))))
+
+    @cached_property
     def moving(self) -> Booleans:
         """Which coordinates have room to move (q,)."""
         return self.high > self.low
@@ -212,7 +221,7 @@ class ParameterSpace:
             central: differences to both sides where both lie inside the bounds; else to one.
         """
         ahead, behind = np.array(vector), np.array(vector)
-        scale = np.array([c.scale for c in self.coordinates]) * _DIFFERENCE
+        scale = self.scale * _DIFFERENCE
         ahead = np.where(vector + scale <= self.high, vector + scale, vector)
         behind = np.where((vector - scale >= self.low) & (central | (ahead == vector)), vector - scale, vector)
         places = [(p, end) for p in np.flatnonzero(moving).tolist() for end in (ahead, behind) if end[p] != vector[p]]

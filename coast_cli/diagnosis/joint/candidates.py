@@ -103,7 +103,7 @@ def _effect_coordinate(p: Parameter, value: float, problem: JointProblem) -> Coo
         high=p.null if pinned else p.high,
         width=_prior_width(p, problem.reached),
         scale=max(abs(value), 1e-3 * span),
-        null=p.null,
+        null=value if shapes else p.null,
         reach=max(0.4 * abs(value), 0.05 * span) if shapes else np.inf,
         late=shapes,
     )

@@ -25,6 +25,7 @@ DECIDING = [
 EFFORT = {
     "_GROWN_FROM",
     "_ALWAYS_FINISHED",
+    "_DIGITS",
     "_UNSEEN",
     "_MOST_CHANGES",
     "_BINS",
