@@ -112,8 +112,8 @@ class Diagnosis:
     model_parameters: Mapping[str, float] = field(default_factory=dict)
     model_tubes: Mapping[str, float | list[float]] = field(default_factory=dict)
     carried: Carried | None = None
-    model_spread: Spread | None = None
-    curves: tuple[JointCurve, ...] | tuple[ShapeCurve, ...] = ()
+    model_spread: Spread | None = field(default=None, compare=False)
+    curves: tuple[JointCurve, ...] | tuple[ShapeCurve, ...] = field(default=(), compare=False)
     unnamed: Description | None = None
 
     def __repr__(self) -> str:
