@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from coast_cli.__main__ import main
+from coast_cli.diagnosis.thresholds import thresholds_digest
 from coast_cli.spec.digest import config_digest
 from coast_cli.spec.load import load_config
 
@@ -170,6 +171,8 @@ def test_one_run_without_release_or_time_is_a_weaker_claim(coast, recording):
     ("words", "code", "said"),
     [
         (("--hold-out", "large20"), 3, "Did you mean large-20"),
+        (("--without", "backlash,backlsh"), 3, "Did you mean backlash"),
+        (("--noise", "0"), 2, "a number above 0"),
         (("--format", "csv"), 2, "allowed: table, json"),
         (("--save-model", "model.json"), 2, "allowed: .toml"),
         (("--max-effects", "-1"), 2, "max-effects"),
@@ -185,6 +188,21 @@ def test_a_wrong_option_is_one_sentence(coast, words, code, said):
     assert ran.out == ""
     assert said in ran.err
     assert ran.err.count("\n") == 1
+
+
+def test_effects_left_out_are_neither_named_nor_rivals_and_the_noise_is_as_given(coast):
+    words = ("--without", "backlash, sensor_lag", "--noise", "0.3", "--max-effects", "1", "--format", "json")
+    answer = json.loads(coast("diagnose", CONFIG, RECORDING, *words).out)
+    named = {effect["id"] for effect in answer["effects"]} | {one for ids in answer["alternatives"] for one in ids}
+    assert not named & {"backlash", "sensor_lag"}
+    assert answer["provenance"]["options"]["without"] == ["backlash", "sensor_lag"]
+    assert answer["provenance"]["options"]["noise"] == 0.3
+
+
+def test_the_numbers_that_decide_stand_in_the_provenance(diagnosed):
+    _, folder = diagnosed
+    answer = json.loads((folder / "answer.json").read_text(encoding="utf-8"))
+    assert answer["provenance"]["thresholds_sha256"] == thresholds_digest()
 
 
 def test_every_run_held_out(coast):
