@@ -60,6 +60,44 @@ class CalibrationErrors:
     calibrated: Mapping[str, float]
 
 
+@dataclass(frozen=True)
+class Quality:
+    """How well the runs of one unit are fitted: n samples, p fitted parameters, what is left over and the noise, RMS.
+
+    Attributes:
+        noise_high: the noise is below this with a probability of 95 %. known: whether the noise could be told at all.
+    """
+
+    unit: str
+    samples: int
+    parameters: int
+    left_over: float
+    noise: float
+    noise_high: float
+    known: bool
+
+    @property
+    def reduced_chi_square(self) -> float:
+        """1 where what is left over is the noise."""
+        free = max(self.samples - self.parameters, 1)
+        return self.samples / free * (self.left_over / self.noise) ** 2
+
+    @property
+    def aic(self) -> float:
+        """Akaike's criterion for errors of one level; of two models of the same samples the lower is the better."""
+        return self.samples * float(np.log(self.left_over**2)) + 2.0 * self.parameters
+
+    def __str__(self) -> str:
+        """Say whether the fit is good."""
+        said = f"{self.left_over:.3g} {self.unit} left over, AIC {self.aic:.4g}"
+        if not self.known:
+            return f"whether the fit is good cannot be told, as the noise of these runs cannot: {said}."
+        said += f", noise {self.noise:.3g}, reduced chi-square {self.reduced_chi_square:.3g}"
+        if self.left_over <= self.noise_high:
+            return f"the fit is good: {said}."
+        return f"the fit is not good: {said}; something is left out of the model, `coast diagnose` says what."
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Calibration(Rows):
     """What a calibration found.
@@ -123,6 +161,22 @@ class Calibration(Rows):
         }
 
     @property
+    def quality(self) -> tuple[Quality, ...]:
+        """How well the fitted runs are fitted, one for each unit of response."""
+        from coast_cli.recordings.noise import recording_noise
+
+        runs = [run for problem in self.whole.posed.problems for run in problem.runs]
+        found = []
+        for kind in dict.fromkeys(run.kind for run in runs):
+            same = [run for run in runs if run.kind == kind]
+            noise = recording_noise(same)
+            count = sum(int(np.isfinite(run.response).sum()) for run in same)
+            level, high = (to_unit(kind, value) for value in (noise.level, noise.interval[1]))
+            left = self.train.calibrated[UNITS[kind]]
+            found.append(Quality(UNITS[kind], count, len(self.whole.estimates), left, level, high, noise.determined))
+        return tuple(found)
+
+    @property
     def notes(self) -> tuple[str, ...]:
         """Sentences on what could not be told, what ended on a bound, what conflicts, and how well it fits."""
         notes = [f"{p.name} is held at its configured {p.value:g}: {reason}." for p, reason in self.whole.held]
@@ -138,6 +192,7 @@ class Calibration(Rows):
                         "left out of the model; `coast diagnose` says what."
                     )
         notes.append(f"error on the runs fitted: {_told(self.train)}.")
+        notes += map(str, self.quality)
         if self.held_out is not None:
             how = "each run in turn, predicted from the others" if self.in_turn else ", ".join(self.held_out_runs)
             notes.append(f"error on runs held out ({how}): {_told(self.held_out)}.")

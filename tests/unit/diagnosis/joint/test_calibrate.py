@@ -72,6 +72,20 @@ def test_true_parameters_come_back(config):
     )
 
 
+def test_a_fit_says_whether_it_is_good(config):
+    runs = [sweep(config, f"r{length}", length * 1e-3, release=True) for length in (20, 40)]
+    (good,) = calibrate(config, recordings(*runs), ALL).quality
+    assert good.reduced_chi_square == pytest.approx(1.0, abs=0.35)
+    assert str(good).startswith("the fit is good: ")
+    assert (good.unit, good.parameters) == ("curvature_per_m", 3)
+    played = [replace(run, stroke=run.stroke + 2e-4 * (run.direction < 0)) for run in runs]
+    calibration = calibrate(config, recordings(*played), ALL)
+    (poor,) = calibration.quality
+    assert poor.reduced_chi_square > 2.0
+    assert poor.aic > good.aic
+    assert "the fit is not good" in " ".join(calibration.notes)
+
+
 def test_modulus_and_pulley_friction_from_strokes_alone_are_one_product(config):
     runs = [sweep(config, "a", 0.02), sweep(config, "b", 0.04)]
     calibration = calibrate(config, recordings(*runs), [*ALL, "pulley_friction"])
