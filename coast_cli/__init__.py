@@ -75,6 +75,7 @@ if TYPE_CHECKING:
     from coast_cli.mechanics.pairs import pair_table as pair_table
     from coast_cli.mechanics.section import notched_section as notched_section
     from coast_cli.mechanics.tube import NotchedTube as NotchedTube
+    from coast_cli.recordings.mapping import load_mapping as load_mapping
     from coast_cli.recordings.model import JointRun as JointRun
     from coast_cli.recordings.model import Recordings as Recordings
     from coast_cli.recordings.model import ShapeRun as ShapeRun
@@ -118,6 +119,7 @@ _PUBLIC = {
     "mechanics.pairs": ("PairTable", "pair_table"),
     "mechanics.section": ("notched_section",),
     "mechanics.tube": ("NotchedTube",),
+    "recordings.mapping": ("load_mapping",),
     "recordings.model": ("JointRun", "Recordings", "ShapeRun"),
     "recordings.noise": ("NoiseEstimate", "estimate_noise"),
     "recordings.planar_path": ("PlanarPath", "path_of_curvature", "read_path"),

@@ -13,7 +13,11 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from numpy.typing import NDArray
+
     from coast_cli.recordings.model import JointRun
+
+    Floats = NDArray[np.float64]
 
 FEWEST_RELEASED = 3  # samples of a run that a release reached: friction bends even the first few
 FEWEST_HELD = 5  # samples of a run in which the drive stays
@@ -119,6 +123,21 @@ def branch_rates(run: JointRun) -> list[float]:
         if seconds > 0.0 and travel > least:
             rates.append(travel / seconds)
     return rates
+
+
+def drive_speed(run: JointRun) -> Floats:
+    """Return how fast the drive (SI) moved at each sample, [n] per s: 0 in a hold, and never of a clock that stands.
+
+    Samples with one time stamp share the speed between the stamps around them; without a clock all is 0.
+    """
+    nothing = np.zeros(len(run))
+    if run.time is None:
+        return nothing
+    first = np.append(True, np.diff(run.time) > 0.0)
+    if first.sum() < 2:
+        return nothing
+    speed = np.abs(np.gradient(run.drive[first], run.time[first]))
+    return np.where(run.direction == 0, 0.0, np.interp(run.time, run.time[first], speed))
 
 
 def _repeats(runs: Sequence[JointRun]) -> int:

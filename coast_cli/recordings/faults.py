@@ -24,13 +24,17 @@ if TYPE_CHECKING:
     Booleans = NDArray[np.bool_]
     Floats = NDArray[np.float64]
 
+OFF_STEP = 0.05  # of a step: a multiple of it is no further off
+MANY_GAPS, ON_STEP = 12, 0.85  # of so many gaps, the share that must be multiples
 CHANCE_OF_A_REPEAT = 0.05  # above it rounding makes neighbours equal often enough
 MORE_THAN_CHANCE = 3.0
 FEWEST_REPEATS = 3
 LIKE_OTHERS, MOSTLY = 0.3, 0.6  # of the usual step; of the repeats
 CATCH_UP = 2.5  # usual steps: what a frame that stood makes up for when it moves again
 FEWEST_CLIPPED = 5
-CLIPPED_OF_NEXT = 4.0  # samples on the last level, to those a step below it
+CLIPPED_OF_STEP = 4.0  # of the drive's travel on the last level, to that on the steps below it
+ALL_OF = 0.95  # of the samples that are driven further than half of those on the level
+AT_ZERO = 0.1  # of the range: a level as near to zero is of a device at rest
 NOISY_DRIVE = 1e-3  # of its travel
 AGAINST = 0.05  # of the steps of a moving drive, that go back
 FOLLOWS = 0.1  # correlation of drive and response below which nothing follows
@@ -41,17 +45,20 @@ MOST_NAMED = 3  # runs in one sentence
 
 
 def quantum_of(values: Floats) -> float:
-    """Return the step that all differences are whole multiples of, or 0 where there is none."""
+    """Return the step that differences are whole multiples of, or 0 where there is none; a few outliers may be off it."""
     levels = np.unique(values[np.isfinite(values)])
     if len(levels) < 3:
         return 0.0
     gaps = np.diff(levels)
     gaps = gaps[gaps > 1e-9 * (levels[-1] - levels[0])]
-    step = float(gaps.min())
-    for _ in range(2):
-        step = float(gaps.sum() / np.round(gaps / step).sum())
-    off = np.abs(gaps / step - np.round(gaps / step))
-    return step if float(off.max()) < 0.05 else 0.0
+    for smallest in (float(gaps.min()), float(np.quantile(gaps, 0.1, method="nearest"))):
+        step = smallest
+        for _ in range(2):
+            step = float(gaps.sum() / np.maximum(np.round(gaps / step), 1.0).sum())
+        off = np.abs(gaps / step - np.round(gaps / step))
+        if float(off.max()) < OFF_STEP or (len(gaps) >= MANY_GAPS and (off < OFF_STEP).mean() > ON_STEP):
+            return step
+    return 0.0
 
 
 def frozen_rows(response: Floats, drive: Floats | None = None) -> Booleans:
@@ -76,7 +83,8 @@ def frozen_rows(response: Floats, drive: Floats | None = None) -> Booleans:
     by_chance = 1.0
     for column in moved.T:
         noise, step = difference_noise(column), quantum_of(column)
-        by_chance *= min(0.5 * step / (np.sqrt(np.pi) * noise), 1.0) if noise > 1e-9 * float(np.ptp(column)) else 1.0
+        is_fine = noise > max(step, 1e-9 * float(np.ptp(column)))
+        by_chance *= 0.5 * step / (np.sqrt(np.pi) * noise) if is_fine else 1.0
     if by_chance < CHANCE_OF_A_REPEAT and _goes_on(rows, same):
         return same if count > MORE_THAN_CHANCE * (by_chance * len(rows) + 1.0) else frozen
     if drive is not None:
@@ -133,8 +141,13 @@ def clipped_rows(values: Floats, drive: Floats) -> Booleans:
         level = float((side * seen).max())
         at = side * seen >= level - 1e-9 * max(abs(level), float(np.ptp(seen)))
         towards = at & np.append(False, at[:-1]) & (moving * follows == side)
-        beside = np.abs(side * seen - (level - step)) < 0.25 * step
-        if towards.sum() >= FEWEST_CLIPPED and at.sum() > CLIPPED_OF_NEXT * (beside.sum() if step > 0.0 else 0.0):
+        if towards.sum() < FEWEST_CLIPPED or abs(level) < AT_ZERO * float(np.ptp(seen)):
+            continue
+        below = (side * seen < level - 0.5 * step) & (side * seen > level - 2.5 * step) & (moving * follows == side)
+        each = 0.5 * float(np.ptp(pulled[below])) if step > 0.0 and below.any() else 0.0
+        further = side * follows * pulled
+        beyond = further >= float(np.median(further[towards]))
+        if float(np.ptp(pulled[towards])) > CLIPPED_OF_STEP * each and at[beyond].mean() > ALL_OF:
             clipped[rows[at]] = True
     return clipped
 

@@ -18,14 +18,14 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-FEWEST_SAMPLES, MOST_SAMPLES = 64, 8192
+FEWEST_SAMPLES, MOST_SAMPLES = 80, 8192
 FEWEST_PERIODS = 4
 DEGREE = 5  # of the polynomial in the drive, for each direction
 DRIVE_HARMONICS = 16  # a response bends the drive's own frequency into so many
 MANY_CYCLES = 5
-FEWEST_IN_CYCLE = 5  # swings in a cycle of the drive, where it has few
+FEWEST_IN_CYCLE = 8  # swings in a cycle of the drive, where it has few
 BY_CHANCE = 1e-9  # of the strongest line, where the rest is noise
-LEAST_SHARE = 0.2  # of what the drive leaves
+LEAST_SHARE = 0.25  # of what the drive leaves
 AROUND = 20  # lines on each side that say how strong lines usually are
 
 

@@ -9,6 +9,7 @@ from coast_cli.diagnosis.fit import Fit
 from coast_cli.diagnosis.joint.problem import JointProblem
 from coast_cli.diagnosis.locate import Region, Samples, locate
 from coast_cli.mechanics.section import FloatArray
+from coast_cli.recordings.evidence import drive_speed
 from coast_cli.units import MILLIMETRE
 
 
@@ -42,8 +43,7 @@ def samples_of(problem: JointProblem, base: Fit) -> Samples:
         values["curvature"] = curvature
         if run.time is not None:
             values["time"] = run.time
-            speed = np.abs(np.gradient(run.drive, np.maximum.accumulate(run.time + 1e-9 * np.arange(len(run)))))
-            values["rate"] = speed / (MILLIMETRE if run.stroke is not None else 1.0)
+            values["rate"] = drive_speed(run) / (MILLIMETRE if run.stroke is not None else 1.0)
         for axis, value in values.items():
             continuous.setdefault(axis, []).append(value[rows])
         names = {

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from coast_cli.recordings.evidence import branch_rates, evidence_of
+from coast_cli.recordings.evidence import branch_rates, drive_speed, evidence_of
 from coast_cli.recordings.model import JointRun, Recording, Recordings
 from coast_cli.recordings.summary import can_decide
 from coast_cli.spec.load import REFERENCE, load_config
@@ -90,6 +90,19 @@ def test_no_rate_of_nothing():
     assert branch_rates(run(UP, np.zeros(60))) == []
     moved, still = run(UP, np.arange(60.0)), run(drive[:1].repeat(60) + 1e-8 * UP, np.arange(60.0), name="b")
     assert evidence_of([moved, still]).rate_ratio == pytest.approx(1.0)
+
+
+def test_the_speed_of_a_drive_is_none_in_holds_and_of_clocks_that_stand():
+    held = np.concatenate((UP, np.full(30, UP[-1]), UP[::-1]))
+    clock = np.arange(len(held)) * 0.1
+    speed = drive_speed(run(held, clock))
+    assert speed[5:55] == pytest.approx(np.full(50, 4e-3 / 5.9), rel=1e-6)
+    assert not speed[65:85].any()
+    stands = np.floor(np.arange(60) / 3.0)
+    assert drive_speed(run(UP, stands)).max() < 2.0 * 3.0 * 4e-3 / 59
+    assert not drive_speed(run(UP)).any()
+    assert not drive_speed(run(UP, np.zeros(60))).any()
+    assert not drive_speed(run(np.full(60, 1e-3) + 1e-12 * UP, np.arange(60.0))).max() > 1e-12
 
 
 def test_devices_without_tubes_have_no_length_and_may_say_a_load():

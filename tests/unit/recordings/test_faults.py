@@ -85,7 +85,22 @@ def test_what_ends_by_itself_is_not_clipped():
     assert not clipped_rows(np.round(8.0 * held, 2), held).any()
 
 
+def test_a_coarse_camera_at_the_top_and_a_slack_device_are_not_clipped():
+    rng = np.random.default_rng(6)
+    for count in (77, 150, 400):
+        smooth = 2.5 * (1.0 - np.cos(np.linspace(0.0, 2.0 * np.pi, count)))
+        for step in (0.5, 1.0, 2.0):
+            values = (
+                np.round((8.0 * np.maximum(smooth - 1.0, 0.0) + 0.35 * step * rng.normal(size=count)) / step) * step
+            )
+            assert not clipped_rows(np.maximum(values, 0.0), smooth).any()
+            assert not frozen_rows(np.maximum(values, 0.0), smooth).any()
+
+
 def test_steps_of_rounding():
+    rounded = np.round(np.random.default_rng(5).normal(size=300), 1)
+    rounded[[20, 90]] += 3.01234
+    assert quantum_of(rounded) == pytest.approx(0.1, rel=0.02)
     assert quantum_of(np.round(np.random.default_rng(5).normal(size=300), 2)) == pytest.approx(0.01)
     assert quantum_of(np.random.default_rng(5).normal(size=300)) == 0.0
     assert quantum_of(np.zeros(5)) == 0.0
@@ -130,7 +145,7 @@ def test_a_clean_run_has_no_faults():
 @pytest.mark.parametrize("seed", range(8))
 def test_a_breathing_is_found_with_its_period(seed):
     rng = np.random.default_rng(seed)
-    period = rng.uniform(0.6, 6.0)
+    period = rng.uniform(0.6, 4.5)
     values = clean(rng, sweep()) + 1.0 * np.sin(2.0 * np.pi * CLOCK / period)
     swing = faults_of(run_of(sweep(), values, CLOCK)).swing
     assert swing is not None
