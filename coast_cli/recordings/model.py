@@ -6,7 +6,7 @@ continuous history, its samples in order; a dropped frame is NaN in the response
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Generic, Literal, TypeVar
 
@@ -74,6 +74,12 @@ class JointRun:
         if drive is None:
             raise ValueError("a joint run needs a stroke or a tension")
         return drive
+
+    def beginning(self, count: int) -> JointRun:
+        """Return the run's first ``count`` samples."""
+        parts = ("line", "time", "bending_length", "stroke", "tension", "response", "load", "load_moment")
+        known = {name: value for name in parts if (value := getattr(self, name)) is not None}
+        return replace(self, **{name: value[:count] for name, value in known.items()})
 
     @cached_property
     def branches(self) -> Branches:

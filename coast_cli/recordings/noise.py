@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 LONGEST_BLOCK = 96
 SHORTEST_BLOCK = 7
 MOST_SAMPLES = 4000
+LONGEST = 500_000  # samples of a run, whose noise is that of its beginning: memory, not time, is what bounds it
 LONGEST_GAP = 4
 MEMORY_IN_STRETCH = 0.2
 SURE = 0.35
@@ -150,6 +151,8 @@ def _as_known(estimate: NoiseEstimate, known: float | None) -> NoiseEstimate:
 
 
 def _run_series(run: JointRun) -> list[Series]:
+    if len(run) > LONGEST:
+        run = run.beginning(LONGEST)
     return [Series(column, run.branches, run.drive) for column in run.response.T]
 
 

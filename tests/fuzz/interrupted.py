@@ -24,8 +24,8 @@ ROOT = Path(__file__).parents[2]
 RECORDING = ROOT / "examples" / "diagnose" / "recording.csv"
 SPACE = """
 [explore]
-tubes = 256
-refinements = 1
+tubes = 160
+refinements = 0
 [explore.outer]
 depth_mm = { min = 0.314, max = 0.400 }
 [explore.middle]
@@ -36,10 +36,20 @@ COMMANDS = {
     "explore": ("explore", "space.toml", "-o", "front.json"),
     "explore --cluster": ("explore", "space.toml", "--all", "pairs.csv", "-o", "front.json", "--cluster", "{address}"),
     "explore --jobs": ("explore", "space.toml", "--all", "pairs.csv", "-o", "front.json", "--jobs", "2"),
-    "tolerance": ("tolerance", "tubes.toml", "--samples", "20000", "-o", "answer.json"),
-    "tolerance --jobs": ("tolerance", "tubes.toml", "--samples", "20000", "-o", "answer.json", "--jobs", "2"),
-    "report": ("report", "tubes.toml", "rec.csv", "-o", "page.html", "--samples", "200"),
-    "diagnose -o": ("diagnose", "tubes.toml", "rec.csv", "-o", "answer.json", "--save-model", "model.toml"),
+    "tolerance": ("tolerance", "tubes.toml", "--samples", "8192", "-o", "answer.json"),
+    "tolerance --jobs": ("tolerance", "tubes.toml", "--samples", "8192", "-o", "answer.json", "--jobs", "2"),
+    "report": ("report", "tubes.toml", "rec.csv", "-o", "page.html", "--samples", "50"),
+    "diagnose -o": (
+        "diagnose",
+        "tubes.toml",
+        "rec.csv",
+        "-o",
+        "answer.json",
+        "--save-model",
+        "model.toml",
+        "--max-effects",
+        "1",
+    ),
 }
 SIGNALS = ("SIGTERM", "SIGTERM", "SIGINT", "SIGHUP", "SIGKILL")
 MOST_KILLS = 3
@@ -140,7 +150,7 @@ def trial(name: str, seconds: float, whole: dict[str, bytes], chance: random.Ran
 
 def _ended(running: subprocess.Popen[str], folder: Path, seconds: float, chance: random.Random) -> str:
     way = chance.choice(SIGNALS)
-    time.sleep(0.1 + chance.random() * seconds)
+    time.sleep(0.1 + 0.9 * chance.random() * seconds)
     if running.poll() is None:
         running.send_signal(getattr(signal, way))
     _, said = running.communicate()

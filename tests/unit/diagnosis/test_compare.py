@@ -1,5 +1,6 @@
 """Errors run by run: against the model itself, against known differences, in every unit, and of shapes."""
 
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -170,3 +171,22 @@ def test_the_papers_headline_is_a_mean_over_runs():
     paper = [1.104, 0.395, 1.024, 0.662, 0.422, 1.287]  # its Fig. 9 (b) and (c), mm
     found = _mean([{"rmse_tip_mm": value} for value in paper], {"run": "all", "n": 600, "rmse_tip_mm": 0.9})
     assert round(found["rmse_tip_mm"], 3) == 0.816
+
+
+def test_a_long_run_is_compared_in_little_memory(config, monkeypatch):
+    """110 bytes a row beside those of the run itself keep ten million rows within 1.5 GB."""
+    monkeypatch.setattr("coast_cli.recordings.noise.LONGEST", 20_000)
+    count = 200_000
+    stroke = 2e-3 + 1.5e-3 * np.sin(np.arange(count) * 2.0 * np.pi / 2000)
+    arrays = np.arange(count), None, np.full(count, LENGTH), stroke, None, (8e3 * stroke)[:, None]
+    line, time, length, drive, tension, response = arrays
+    run = JointRun("r", "f.csv", line, time, "OT4", "MT1", length, drive, tension, response, "curvature")
+    compare(config, Recordings(joint=Recording("joint", (run.beginning(1000),))))  # what is loaded only once
+    tracemalloc.start()
+    try:
+        compare(config, Recordings(joint=Recording("joint", (run,)))).rows()
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert run.beginning(3).stroke.tolist() == stroke[:3].tolist()
+    assert peak < 110 * count
