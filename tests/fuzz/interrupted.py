@@ -100,7 +100,7 @@ def cluster():
             run("dask_worker", "--nthreads", "1", "--no-nanny", "--local-directory", str(Path(place) / "dask"))
         )
         try:
-            while not note.exists():
+            while not (note.exists() and note.read_text(encoding="utf-8").endswith("}")):
                 time.sleep(0.05)
             yield json.loads(note.read_text(encoding="utf-8"))["address"], *running
         finally:
