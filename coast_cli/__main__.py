@@ -19,18 +19,22 @@ _HELP = "Try `coast --help`, or --help after a command"
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command line and return its exit code; ``arguments`` stand for ``sys.argv[1:]``."""
     try:
-        from coast_cli.signals import ignore, stoppable
+        from coast_cli.signals import stoppable
 
         with stoppable():
             code = _run(arguments)
-        if arguments is None:
-            ignore()
     except KeyboardInterrupt:
         code = _interrupted()
-        if arguments is None:
+        if (
+            arguments is None and "multiprocessing.util" not in sys.modules
+        ):  # which gives back its semaphores at the end
             import os
 
-            os._exit(code)  # what Python still does at its end could be cut short in turn, and say so
+            os._exit(code)  # Python itself would end by SIGINT where the signal came in a text that it executed
+    if arguments is None:
+        from coast_cli.signals import ignore
+
+        ignore()
     return code
 
 

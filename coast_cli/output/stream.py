@@ -122,8 +122,9 @@ class CsvStream:
             self._stream.write(block)
             self._stream.flush()
             self._digest.update(block)
-            self._save(self.blocks + 1, state)
-            self.blocks += 1
+            with held():  # no signal between the note and the count
+                self._save(self.blocks + 1, state)
+                self.blocks += 1
         except (OSError, UsageError) as error:
             reason = error.strerror if isinstance(error, OSError) else error
             raise UsageError(

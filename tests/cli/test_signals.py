@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -155,3 +156,19 @@ def test_an_answer_that_cannot_be_written_loses_no_block(coast, words, tmp_path,
     assert "keeps 4 blocks" in ran.err
     monkeypatch.setattr(exploration, "explore_block", lambda _: pytest.fail("a block was done again"))
     assert coast(*words).code == 0
+
+
+def test_an_interrupt_of_several_processes_is_sentences_alone(words, tmp_path):
+    command = [sys.executable, "-m", "coast_cli", *words, "--jobs", "2", "--all", "pairs.csv"]
+    config = (tmp_path / "space.toml").read_text(encoding="utf-8").replace("tubes = 16", "tubes = 384")
+    (tmp_path / "space.toml").write_text(config, encoding="utf-8")
+    path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
+    running = subprocess.Popen(command, env={**os.environ, "PYTHONPATH": path}, stderr=subprocess.PIPE, text=True)
+    note = tmp_path / "pairs.csv.part" / "note"
+    while not (note.exists() and b'"blocks": 0' not in note.read_bytes()[:300]):
+        assert running.poll() is None
+        time.sleep(0.02)
+    running.send_signal(signal.SIGTERM)
+    said = running.communicate()[1]
+    assert running.returncode == 143
+    assert [line.partition(":")[0] for line in said.splitlines()] == ["coast", "coast"]
