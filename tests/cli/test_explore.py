@@ -269,7 +269,7 @@ def test_a_cluster_gives_the_same_bytes(config, tmp_path, cluster, killed):
 
 def test_a_scheduler_that_goes_away_is_a_sentence_and_loses_nothing(config, tmp_path, cluster):
     address, (scheduler, *_) = cluster
-    arguments = (config(SPACE.replace("256", "384")), "--top", "3", "-f", "json", "--all")
+    arguments = (config(SPACE.replace("256", "512")), "--top", "3", "-f", "json", "--all")
     whole = start(*arguments, tmp_path / "whole.csv").communicate()
     running, note = (
         start(*arguments, tmp_path / "pairs.csv", "--cluster", address),
