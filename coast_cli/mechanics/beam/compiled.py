@@ -87,8 +87,11 @@ def _solved(
         columns = [p[part] for p in pieces]
         kernel(*columns, np.stack([v[part] for v in loads]), chosen, tips[:, part], solved[part], turns[part])
 
-    with ThreadPoolExecutor(threads) as pool:
-        list(pool.map(run, bounds[:-1], bounds[1:]))
+    if threads == 1:
+        run(0, count)
+    else:
+        with ThreadPoolExecutor(threads) as pool:
+            list(pool.map(run, bounds[:-1], bounds[1:]))
     return tips, solved
 
 
