@@ -80,7 +80,8 @@ def judge(
     facts = describe(diagnosis, effects) if level in OPEN and "nature" in effects[0] else None
     leading = said.effects[0] if said.effects and said.kind in ("physics", "sensor") else None
     twins = set(truth.get("twins", ()))
-    first = bool(true) and said.effects[:1] == true[:1] and said.kind in ("parameter", "physics", "sensor")
+    # As in the first round: a leading name counts where others fit alike too; the score tells the difference.
+    first = bool(true) and said.effects[:1] == true[:1] and said.kind not in ("none", "unknown", "failed")
     identified = level in ("L1", "L5") and not twins
     placed = (identified or level == "L9") and bool(said.effects)
     return Judgement(

@@ -11,7 +11,7 @@ import pytest
 from examples.concealed.figures import Scores
 from examples.concealed.scorer import pilot
 
-SEEDS = range(7000, 7021)
+SEEDS = range(7000, 7015)
 
 
 @pytest.fixture(scope="module")
@@ -25,12 +25,12 @@ def test_every_case_is_answered(scores):
 
 
 def test_clean_recordings_come_back_clean(scores):
-    assert scores.false_alarms.cases >= 7
-    assert scores.false_alarms.hits <= 1
+    assert scores.false_alarms.cases >= 5
+    assert scores.false_alarms.hits == 0
 
 
 def test_single_effects_are_named_first(scores):
-    assert scores.named_first.cases >= 7
+    assert scores.named_first.cases >= 5
     assert scores.named_first.value >= 0.75
 
 
