@@ -144,6 +144,8 @@ FEWEST_IN_BRANCH = Threshold(8, "samples", "of a branch that counts as a part of
 LEAST_KEPT_BACK = Threshold(0.15, "of a run", "that is kept back after its first cycle, at least", _REASON)
 MOST_KEPT_BACK = Threshold(0.6, "of a run", "that is kept back after its first cycle, at most", _REASON)
 
+FEWEST_RUNS_TO_DIFFER = Threshold(3, "runs", "that are fitted, from which on one can be told from the rest", _REASON)
+FROZEN_SHARE = Threshold(0.02, "of all rows", "that repeat the frame before them, from which on it is said", _REASON)
 MOST_RUNS_IN_BLOCKS = Threshold(4, "runs", "from which on a whole run chooses among hypotheses", _REASON)
 MOST_UNSEEN_NOISE = Threshold(
     1.5, "noise widths", "beyond the noise and the fit's doubt that unseen rows may lie", _REASON

@@ -27,7 +27,7 @@ class BendingLengthLabel(Effect):
     source = "transcription errors in records: ISO 5725-2 (2019), sec. 7.2.5"
     parameters = (
         RUN,
-        Parameter("error_mm", 0.0, -60.0, 60.0, (3.0, -3.0, 10.0, -10.0), "one planned length for another"),
+        Parameter("error_mm", 0.0, -60.0, 60.0, (4.0, -4.0), "one planned length for another"),
     )
     needs = ("runs",)
     unlikely = 2.0

@@ -38,6 +38,7 @@ class CameraSaturation(Effect):
             role="shape",
         ),
     )
+    needs = ("clipped",)
     decided_by = "the same sweep with the camera moved back"
 
     def sense(self, response: FloatArray, history: History) -> FloatArray:

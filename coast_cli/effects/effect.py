@@ -19,10 +19,34 @@ Stage = Literal["drive", "tendon", "transmission", "structure", "sensor"]
 Kind = Literal["physics", "sensor", "parameter"]
 Scope = Literal["tube", "bench", "camera"]
 Need = Literal[
-    "stroke", "time", "release", "hold", "rates", "reversals", "pairs", "outer", "runs", "witness", "period", "load"
+    "stroke",
+    "time",
+    "release",
+    "hold",
+    "rates",
+    "reversals",
+    "pairs",
+    "outer",
+    "runs",
+    "witness",
+    "period",
+    "load",
+    "clipped",
+    "frozen",
 ]
 Scale = Literal[
-    "", "curvature", "strain", "stress", "closure", "tension", "duration", "response", "stroke", "period", "compliance"
+    "",
+    "curvature",
+    "strain",
+    "stress",
+    "closure",
+    "tension",
+    "duration",
+    "response",
+    "stroke",
+    "period",
+    "compliance",
+    "runs",
 ]
 STAGES: tuple[Stage, ...] = ("drive", "tendon", "transmission", "structure", "sensor")
 
@@ -39,7 +63,7 @@ class Parameter:
         source: where the range comes from.
         needs: what a recording must hold for this number to be looked for; elsewhere it stays at its null.
         role: "size" where the null makes the effect vanish, "shape" where it only says how it acts, "run" where it is the
-            number of a run, which is chosen and never fitted.
+            number of a run, which is chosen, "found" where the rows themselves say it; neither is fitted.
         relative_to: the largest of this in the recording is what ``starts`` are multiples of; empty for absolute.
     """
 
@@ -50,7 +74,7 @@ class Parameter:
     starts: tuple[float, ...]
     source: str
     relative_to: Scale = ""
-    role: Literal["size", "shape", "run"] = "size"
+    role: Literal["size", "shape", "run", "found"] = "size"
     needs: Need | None = None
 
 

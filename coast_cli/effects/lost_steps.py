@@ -33,7 +33,7 @@ class LostSteps(Effect):
             0.0,
             0.0,
             1e6,
-            tuple(float(part) for part in np.arange(0.02, 1.0, 0.04).round(2)),
+            tuple(float(part) for part in np.arange(0.04, 1.0, 0.08).round(2)),
             "within the recording",
             "duration",
             role="shape",

@@ -30,9 +30,9 @@ class RunDiffers(Effect):
     source = "homogeneity of runs: ISO 5725-2 (2019), sec. 7.3, consistency of laboratories"
     parameters = (
         RUN,
-        Parameter("gain", 1.0, 0.2, 5.0, (1.1, 0.9, 1.0), "a camera that was calibrated anew"),
-        Parameter("offset", 0.0, -200.0, 200.0, (0.0, 0.05), "SI unit of the response", "response"),
-        Parameter("stroke_zero_mm", 0.0, -5.0, 5.0, (0.0, 0.1), "a zero that was set anew", needs="stroke"),
+        Parameter("gain", 1.0, 0.2, 5.0, (1.1,), "a camera that was calibrated anew"),
+        Parameter("offset", 0.0, -200.0, 200.0, (0.0,), "SI unit of the response", "response"),
+        Parameter("stroke_zero_mm", 0.0, -5.0, 5.0, (0.0,), "a zero that was set anew", needs="stroke"),
     )
     needs = ("runs",)
     unlikely = 2.0  # a bench keeps its settings from run to run

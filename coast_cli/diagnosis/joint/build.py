@@ -12,6 +12,7 @@ from coast_cli.diagnosis.joint.problem import CONFIG_KEYS, JointProblem, require
 from coast_cli.diagnosis.space import BaseParameter, Booleans
 from coast_cli.diagnosis.thresholds import (
     DEADBAND_PRIOR,
+    FROZEN_SHARE,
     MODULUS_PRIOR,
     NOTCH_FRICTION_PRIOR,
     TENDON_MODULUS_PRIOR,
@@ -47,6 +48,7 @@ def build_joint_problem(
         without: ids of effects that are neither named nor rivals. noise: of the response, SI, where it is known.
     """
     from coast_cli.effects.catalogue import build_effects
+    from coast_cli.recordings.faults import faults_of
     from coast_cli.spec.build import build_joint
 
     joints = {run.pair: build_joint(config, run.outer, run.middle) for run in runs}
@@ -56,6 +58,10 @@ def build_joint_problem(
     fitted = [not rows.all() for rows in held]
     drives = [run.drive for run in runs]
     usable, found_noise = screened([run.response for run in runs], drives, fitted)
+    faults = tuple(faults_of(run) for run in runs)
+    stale = [one.frozen | one.duplicated for one in faults]
+    if sum(int(rows.sum()) for rows in stale) >= FROZEN_SHARE * sum(len(run) for run in runs):
+        usable = [use & ~rows[:, np.newaxis] for use, rows in zip(usable, stale, strict=True)]
     witness = all(run.tension is not None and run.stroke is not None for run in runs)
     if witness:
         columns = [required(run.tension)[:, np.newaxis] for run in runs]
@@ -73,6 +79,7 @@ def build_joint_problem(
         noise=found_noise if noise is None else noise,
         tension_noise=tension_noise,
         fixed_effects=build_effects(config.corrections),
+        faults=faults,
         concealed=frozenset(without),
         given_noise=noise,
     )

@@ -17,36 +17,25 @@ if TYPE_CHECKING:
     from coast_cli.diagnosis.joint.problem import JointProblem
 
 
-def joint_candidates(problem: JointProblem, taken: set[str], *, alone: bool) -> list[Contender]:
-    """Return the effects that may be added to those taken; ``alone`` asks also for what competes by itself."""
+def joint_candidates(problem: JointProblem, taken: set[str]) -> list[Contender]:
+    """Return the effects that may be added to those taken."""
 
     def starts(kind: type[Effect]) -> tuple[Effect, ...]:
         return tuple(starts_of(kind, problem.reached, problem.holds))
 
-    found = [Contender(starts(kind)) for kind in applicable(problem) if kind.id not in taken]
-    if alone:
-        found += [Contender(starts(kind), alone=True) for kind in applicable_by_rows(problem) if kind.id not in taken]
-    return found
+    return [Contender(starts(kind)) for kind in applicable(problem) if kind.id not in taken]
 
 
 def applicable(problem: JointProblem) -> list[type[Effect]]:
-    """Return the effects that could show in this recording at all."""
-    return _showing(problem, problem.holds)
-
-
-def applicable_by_rows(problem: JointProblem) -> list[type[Effect]]:
-    """Return the effects that could show if samples counted time, where there is no clock.
-
-    They compete alone: with a guessed clock, which in one sweep runs with the drive, a set of them draws anything.
-    """
-    if problem.holds["time"]:
-        return []
-    return [effect for effect in _showing(problem, {**problem.holds, "time": True}) if "time" in effect.needs]
-
-
-def _showing(problem: JointProblem, holds: Mapping[Need, bool]) -> list[type[Effect]]:
+    """Return the effects that could show in this recording at all, and that a fit can find."""
     left_out = problem.concealed | {effect.id for effect in problem.fixed_effects}
-    return [e for e in CATALOGUE.values() if e.id not in left_out and all(holds.get(need, True) for need in e.needs)]
+    return [
+        effect
+        for effect in CATALOGUE.values()
+        if effect.id not in left_out
+        and all(problem.holds.get(need, True) for need in effect.needs)
+        and not any(parameter.role == "found" for parameter in effect.parameters)
+    ]
 
 
 def starts_of(
@@ -56,6 +45,8 @@ def starts_of(
     choices = [
         [p.null]
         if p.needs is not None and holds is not None and not holds.get(p.needs, True)
+        else list(map(float, range(int(scales["runs"]))))
+        if p.role == "run"
         else [float(np.clip(start * scales[p.relative_to], p.low, p.high)) for start in p.starts]
         for p in effect.parameters
     ]
@@ -94,21 +85,25 @@ def base_coordinates(base: Sequence[BaseParameter]) -> tuple[Coordinate, ...]:
 
 
 def _effect_coordinate(p: Parameter, value: float, problem: JointProblem) -> Coordinate:
-    pinned = p.needs is not None and not problem.holds.get(p.needs, True)
+    missing = p.needs is not None and not problem.holds.get(p.needs, True)
+    pinned = missing or p.role in ("run", "found")
+    value = p.null if missing else value
     span, shapes = p.high - p.low, p.role == "shape"
     return Coordinate(
         name=p.name,
-        value=p.null if pinned else value,
-        low=p.null if pinned else p.low,
-        high=p.null if pinned else p.high,
+        value=value,
+        low=value if pinned else p.low,
+        high=value if pinned else p.high,
         width=_prior_width(p, problem.reached),
         scale=max(abs(value), 1e-3 * span),
-        null=value if shapes else p.null,
+        null=value if shapes or pinned else p.null,
         reach=max(0.4 * abs(value), 0.05 * span) if shapes else np.inf,
         late=shapes,
     )
 
 
 def _prior_width(parameter: Parameter, scales: Mapping[Scale, float]) -> float:
+    """Return twice the farthest start from the null; where it starts at its null alone, a tenth of its range."""
     null = 0.0 if parameter.relative_to else parameter.null
-    return 2.0 * max(*(abs(start * scales[parameter.relative_to] - null) for start in parameter.starts), 1e-9)
+    farthest = max(abs(start * scales[parameter.relative_to] - null) for start in parameter.starts)
+    return 2.0 * farthest if farthest > 0.0 else 0.1 * (parameter.high - parameter.low)

@@ -18,6 +18,8 @@ from coast_cli.diagnosis.thresholds import (
 )
 from coast_cli.recordings.model import JointRun
 
+ONE_RUN = "a quarter of the one run that differs, in blocks"
+
 
 def hold_out(runs: Sequence[JointRun], named: Sequence[str] = ()) -> HoldOut:
     """Return what to keep back.
@@ -113,3 +115,12 @@ def rows_that_choose(runs: Sequence[JointRun], certifying: HoldOut) -> HoldOut:
         long_enough = len(run) >= SHORTEST_FOR_BLOCKS and not kept.all()
         rows.append(np.isin(block, (3, 6)) & ~kept if long_enough else np.zeros(len(run), bool))
     return HoldOut(tuple(rows), (), "blocks of every run that is fitted", chosen=True)
+
+
+def rows_of_one_run(runs: Sequence[JointRun], number: int) -> HoldOut:
+    """Return blocks of one run, a quarter of it, as kept back."""
+    block = np.arange(len(runs[number])) * int(BLOCKS) // max(len(runs[number]), 1)
+    rows = tuple(
+        np.isin(block, (2, 5)) if index == number else np.zeros(len(run), bool) for index, run in enumerate(runs)
+    )
+    return HoldOut(rows, (), ONE_RUN, chosen=True)

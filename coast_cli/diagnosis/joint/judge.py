@@ -17,7 +17,7 @@ from coast_cli.diagnosis.holdout import HoldOut
 from coast_cli.diagnosis.joint.axes import locate_joint
 from coast_cli.diagnosis.joint.build import build_joint_problem
 from coast_cli.diagnosis.joint.errors import UNITS, errors_of, held_out_spread, to_unit
-from coast_cli.diagnosis.joint.holdout import hold_out, hold_out_others, rows_that_choose
+from coast_cli.diagnosis.joint.holdout import ONE_RUN, hold_out, hold_out_others, rows_of_one_run, rows_that_choose
 from coast_cli.diagnosis.joint.openworld import OpenWorld
 from coast_cli.diagnosis.joint.problem import CONFIG_KEYS, JointProblem
 from coast_cli.diagnosis.joint.structure import Structure, find_structure
@@ -47,7 +47,9 @@ from coast_cli.diagnosis.spread import Spread, effect_keys, spread_of
 from coast_cli.diagnosis.thresholds import (
     ABOVE_NOISE,
     FAR_ABOVE_NOISE,
+    FEWEST_RUNS_TO_DIFFER,
     FEWEST_SAMPLES,
+    FROZEN_SHARE,
     HARM,
     LEFT_TO_SAY,
     MAX_HELD_OUT_SHARE,
@@ -62,12 +64,18 @@ from coast_cli.diagnosis.thresholds import (
 )
 from coast_cli.diagnosis.unnamed.search import LawFit
 from coast_cli.diagnosis.unnamed.words import Description, describe
+from coast_cli.effects.bending_length_label import BendingLengthLabel
+from coast_cli.effects.frozen_frames import FrozenFrames
+from coast_cli.effects.run_differs import RunDiffers
 from coast_cli.effects.unnamed import UnnamedLaw
 from coast_cli.mechanics.section import FloatArray
 
 if TYPE_CHECKING:
     from coast_cli.recordings.model import JointRun
     from coast_cli.spec.config import Config
+
+
+OF_ONE_RUN = (RunDiffers, BendingLengthLabel)
 
 
 def diagnose_joint(
@@ -151,6 +159,7 @@ class JointCase(Case):
         choosing: rows that choose among hypotheses; ``kept_back`` are those that certify the choice.
         law: a law without a name that leads, or stands beside the names; None where there is none.
         told: what the law competed with. has_laws: whether laws without a name compete at all.
+        is_stale: whether frames that repeat were named.
     """
 
     problem: JointProblem
@@ -158,6 +167,7 @@ class JointCase(Case):
     law: LawFit | None = field(default=None, kw_only=True)
     told: OpenWorld | None = field(default=None, kw_only=True)
     has_laws: bool = field(default=True, kw_only=True)
+    is_stale: bool = field(default=False, kw_only=True)
 
     agrees = "the model as configured agrees with the recording within its noise"
     alike = "several sets of effects explain the recording alike"
@@ -187,6 +197,12 @@ class JointCase(Case):
     def open_world(self) -> OpenWorld:
         """Names against laws without a name."""
         return OpenWorld(self.problem, self.problem.only(self.choosing.rows), self.contest)
+
+    @property
+    def is_settled(self) -> bool:
+        """Whether a rule has put something in the place of what the contest of names led by."""
+        asked = self.kept_back.rule == ONE_RUN
+        return self.law is not None or self.is_stale or asked
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -340,7 +356,10 @@ class JointCase(Case):
 
     def where(self, ruling: Ruling, final: Fit) -> tuple[Region, ...]:
         """Return the regions that hold the base model's excess error."""
-        return locate_joint(self.problem, self.contest.base.fit, self.leading.fit.evidence.memory)
+        base = self.contest.base.fit if self.kept_back.rule != ONE_RUN else self.refitted_base
+        return locate_joint(
+            self.problem if self.kept_back.rule != ONE_RUN else self.known, base, self.leading.fit.evidence.memory
+        )
 
     def curves(self, final: Fit) -> tuple[JointCurve, ...]:
         """Return what the refitted base and the corrected model predict of every run."""
@@ -411,7 +430,7 @@ def excess(fitted: Fit, floor: float, repeats: float, margin: float) -> float:
 
 def what_does_not_carry_over_is_dropped(case: JointCase) -> Case | None:
     """Rule: a set that does not predict unseen rows gives way to a part of it that does, or to the base model."""
-    if case.law is not None:
+    if case.is_settled:
         return None
     leading = case.leading
     if not leading.ids or case.carries_over(leading.fit):
@@ -427,7 +446,7 @@ def what_does_not_carry_over_is_dropped(case: JointCase) -> Case | None:
 
 def what_is_redundant_is_dropped(case: JointCase) -> Case | None:
     """Rule: an effect of a set is dropped where unseen rows are predicted as well without it."""
-    if case.law is not None:
+    if case.is_settled:
         return None
     after = case.missed(case.leading.fit)
     if after is None or len(case.leading.ids) < 2:
@@ -442,7 +461,7 @@ def what_is_redundant_is_dropped(case: JointCase) -> Case | None:
 
 def what_vanished_is_dropped(case: JointCase) -> Case | None:
     """Rule: what the fit to all rows together does not hold is not named; the set without it is judged in its place."""
-    if case.law is not None:
+    if case.is_settled:
         return None
     gone = _vanished(case.problem, case.final(case.leading.fit))
     if not gone:
@@ -468,13 +487,25 @@ def _vanished(problem: JointProblem, final: Fit) -> set[str]:
 
 def laws_without_a_name_compete(case: JointCase) -> Case | None:
     """Rule: a law that stands elsewhere and explains more takes the place of the names; what names leave is told beside."""
-    if case.law is not None or not case.has_laws:
+    if case.is_settled or not case.has_laws:
         return None
     law = case.open_world.preferred or case.open_world.added
     if law is None:
         return None
     leading = hypothesis(case.problem, law.fit)
     return replace(case.led_by(leading), law=law, told=case.open_world)
+
+
+def frames_that_repeat_are_named(case: JointCase) -> Case | None:
+    """Rule: frames that repeat in bursts are a fault of the camera; they were left out of every fit."""
+    problem = case.problem
+    if case.is_stale or problem.frozen_fraction < FROZEN_SHARE or FrozenFrames.id in problem.concealed:
+        return None
+    leading = case.leading.fit
+    effects = problem.ordered((*leading.effects, FrozenFrames(fraction=problem.frozen_fraction)))
+    named = hypothesis(problem, fit(problem, effects, leading.coordinates, steps=0))
+    tried = case.contest.tried if case.leading.ids else (case.contest.base,)
+    return replace(case, contest=replace(case.contest, leading=named, tried=tried), is_stale=True)
 
 
 def a_law_without_a_name_leads(case: JointCase) -> Ruling | None:
@@ -490,7 +521,38 @@ def names_explain(case: JointCase) -> Ruling:
     """Rule: the leading effects are named, and what they explain and leave is said in noise widths."""
     ruling = effects_are_named(case)
     beside = "" if case.described is None else f". What they leave: {case.described.words}"
-    return Ruling(ruling.verdict, f"{' + '.join(case.names)} {case.explains_words}{beside}")
+    owners = [case.problem.runs[round(e.run)].name for e in case.leading.fit.effects if isinstance(e, OF_ONE_RUN)]
+    which = f" (run {', '.join(owners)})" if owners else ""
+    return Ruling(ruling.verdict, f"{' + '.join(case.names)}{which} {case.explains_words}{beside}")
+
+
+def one_run_that_differs_is_named(case: JointCase) -> Case | None:
+    """Rule: where one run alone is missed, it is asked whether another setting or label of that run explains it.
+
+    Three quarters of the run are fitted with all others; the rest of it certifies.
+    """
+    problem = case.problem
+    if case.names or case.law is not None or not case.is_refused_by_unseen_rows:
+        return None
+    missed = set(case.strangers) | (set(case.kept_back.runs) if not case.certified.passed else set())
+    if len(missed) != 1 or len(problem.runs) < FEWEST_RUNS_TO_DIFFER:
+        return None
+    number = next(index for index, run in enumerate(problem.runs) if run.name in missed)
+    rows = rows_of_one_run(problem.runs, number)
+    known = problem.only(rows.fitted)
+    starts = (RunDiffers(run=float(number), gain=1.05), *(BendingLengthLabel(float(number), by) for by in (4.0, -4.0)))
+    found = []
+    for effect in starts:
+        if effect.id not in problem.concealed:
+            fitted = fit(known, (effect,), case.chosen_fit.coordinates)
+            found.append((foretold(known, fitted, rows.rows).error, len(effect.parameters), effect.id, fitted))
+    best = min(found, key=lambda one: (round(one[0], 1), *one[1:3]), default=None)
+    if best is None:
+        return None
+    named = hypothesis(known, best[3])
+    contest = replace(case.contest, leading=named, tried=(case.contest.base, named))
+    asked = replace(case, problem=known, kept_back=rows, contest=contest)
+    return asked if asked.certified.passed else None
 
 
 def unseen_rows_decide(case: JointCase) -> Ruling | None:
@@ -502,7 +564,9 @@ JOINT_RULES: tuple[VerdictRule, ...] = (
     what_does_not_carry_over_is_dropped,
     what_is_redundant_is_dropped,
     what_vanished_is_dropped,
+    one_run_that_differs_is_named,
     laws_without_a_name_compete,
+    frames_that_repeat_are_named,
     a_law_without_a_name_leads,
     structure_is_left,
     unseen_rows_decide,

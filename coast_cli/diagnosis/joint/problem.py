@@ -17,6 +17,7 @@ from coast_cli.diagnosis.problem import Channel, Contender, Effort, Variant
 from coast_cli.diagnosis.space import BaseParameter, Booleans, ParameterSpace, Point, bounds_of, configured_coordinates
 from coast_cli.diagnosis.thresholds import (
     DIFFERENCES_MARGIN,
+    FEWEST_RUNS_TO_DIFFER,
     FLOOR_DOUBT,
     ONE_SAMPLE_SHARE,
     SLOW_NOISE,
@@ -35,7 +36,9 @@ from coast_cli.recordings.model import JointRun
 from coast_cli.units import GIGAPASCAL, MEGAPASCAL, MILLIMETRE
 
 if TYPE_CHECKING:
+    from coast_cli.recordings.faults import Faults
     from coast_cli.recordings.noise import NoiseEstimate
+    from coast_cli.recordings.swing import Swing
 
 
 CONFIG_KEYS = {
@@ -90,6 +93,7 @@ class JointProblem:
         fixed_effects: corrections that the configuration already carries.
         concealed: ids of effects that are neither named nor rivals.
         given_noise: level of the response's noise where the user knows it, SI.
+        faults: what is wrong with the rows themselves, run by run.
     """
 
     runs: tuple[JointRun, ...]
@@ -103,6 +107,7 @@ class JointProblem:
     fixed_effects: tuple[Effect, ...] = ()
     concealed: frozenset[str] = frozenset()
     given_noise: float | None = None
+    faults: tuple[Faults, ...] = ()
 
     @cached_property
     def layouts(self) -> dict[str, Layout]:
@@ -152,7 +157,24 @@ class JointProblem:
             "pairs": len(self.joints) > 1 or any(np.ptp(tube.depth) > 0.0 for tube in tubes),
             "rates": self.held.has_rates,
             "outer": any(joint.outer is not None for joint in self.joints.values()),
+            "runs": sum(bool(rows.any()) for rows in self.train) >= int(FEWEST_RUNS_TO_DIFFER),
+            "witness": self.tension_noise is not None,
+            "period": self.swing is not None,
+            "clipped": any(one.clipped.any() for one in self.faults),
+            "frozen": self.frozen_fraction > 0.0,
+            "load": False,
         }
+
+    @property
+    def frozen_fraction(self) -> float:
+        """The fraction of rows that repeat the frame before them."""
+        return sum(int(one.frozen.sum()) for one in self.faults) / max(sum(len(run) for run in self.runs), 1)
+
+    @property
+    def swing(self) -> Swing | None:
+        """What swings with a period of its own in most of the runs, or None."""
+        found = [one.swing for one in self.faults if one.swing is not None]
+        return found[0] if 2 * len(found) >= len(self.runs) else None
 
     @cached_property
     def _fitted_runs(self) -> tuple[JointRun, ...]:
@@ -294,6 +316,9 @@ class JointProblem:
             "duration": max(spans, default=1.0),
             "response": response,
             "stroke": max(float(np.ptp(run.drive)) / MILLIMETRE for run in self.runs),
+            "runs": float(len(self.runs)),
+            "period": 10.0 * self.swing.period if self.swing is not None else 1.0,
+            "compliance": 1.0,
         }
 
     @cached_property
@@ -337,15 +362,15 @@ class JointProblem:
 
     def candidates(self, parent: Sequence[Any], *, alone: bool) -> list[Contender]:
         """Return what may be added to a set."""
-        return joint_candidates(self, {effect.id for effect in parent}, alone=alone)
+        return joint_candidates(self, {effect.id for effect in parent})
 
     def ordered(self, effects: Sequence[Any]) -> tuple[Any, ...]:
         """Return effects in the order in which they act."""
         return in_order(effects)
 
     def variant(self, effect: Any) -> Variant:  # noqa: ANN401
-        """Return an effect's id; a joint chooses nothing else for it."""
-        return effect.id, 0.0
+        """Return an effect's id, and the run that was chosen for it."""
+        return effect.id, float(getattr(effect, "run", 0.0))
 
     def two_sided(self, effect: Any) -> bool:  # noqa: ANN401
         """Return whether every size may take either sign."""
