@@ -110,7 +110,7 @@ def test_numbers_of_the_tubes_alone_are_parameters():
 def joint_case(*effects, carried=(), parts=(), before=1.0, after=1.0, of_parts=None):
     """Return a case whose sets in ``carried`` predict unseen rows; ``led_by`` says by what the case would be led."""
     facts = {
-        "law": None,
+        "is_settled": False,
         "carries_over": lambda fit: tuple(one.id for one in fit.effects) in carried,
         "missed": lambda fit: {**(of_parts or {}), tuple(e.id for e in effects): after}.get(
             tuple(e.id for e in fit.effects), before
