@@ -115,6 +115,8 @@ def read_protocol(
         nothing = np.full(len(table.line), b"0")
         table = replace(table, names=(*table.names, "curvature_per_m"), columns=(*table.columns, nothing))
     layout = find_layout(table)
+    if layout.kind != "joint":
+        raise table.error("no drive column", allowed="stroke_mm or tension_n")
     runs = tuple(_joint_runs(table, layout, defaults_of(config, pair, bending_length_mm)))
     return runs, (*notes, *layout.notes)
 
