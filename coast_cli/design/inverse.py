@@ -1,6 +1,6 @@
 """The inverse design: what to cut so that a pair has wanted figures, how well that is determined, or the nearest to it.
 
-Bounded least squares (scipy's trust region) from several starts, the Jacobian by central differences of one batch of
+Bounded least squares from several starts, the Jacobian by central differences of one batch of
 pairs, the starting pair first. Where the targets leave variables free, one of the solutions is given and said to be so.
 """
 
@@ -31,6 +31,7 @@ REACHED = 1e-9  # relative; a target this near counts as met
 VARIABLES = ("depth_mm", "cut_mm", "uncut_mm", "outer_diameter_mm", "inner_diameter_mm")
 _STARTS, _SURVEY = 24, 512  # where the overlap cuts through a pitch, a total has a kink for each notch
 _STEP = 1e-6  # of a range, for central differences
+_STEPS = 200  # of one descent
 _FREE = 1e-6  # singular value, relative to the largest, below which a direction is free
 _FIELDS = ("kind", "name", "start", "wanted", "value", "low", "high", "at_bound", "determined", "change_per_percent")
 
@@ -234,8 +235,9 @@ def _variable(name: str, roles: Mapping[str, tuple[RoleSpace, NotchedTube]], des
 
 def _solve(problem: _Problem) -> FloatArray:
     """Return the best values found from the starting pair and the most promising points of a Sobol sequence."""
-    from scipy.optimize import least_squares
     from scipy.stats import qmc
+
+    from coast_cli.mechanics.least_squares import descend
 
     low, high = problem.bounds
 
@@ -250,21 +252,20 @@ def _solve(problem: _Problem) -> FloatArray:
     found: list[tuple[float, FloatArray]] = []
     for start in (problem.start, *survey[order[:_STARTS]]):
         share = np.clip((start - low) / (high - low), 1e-9, 1.0 - 1e-9)
-        result = least_squares(
+        result = descend(
             residual,
+            lambda at, _: jacobian(at),
             share,
-            jac=jacobian,
-            bounds=(0.0, 1.0),
-            xtol=1e-15,
-            ftol=1e-15,
-            gtol=1e-15,
-            max_nfev=200,
+            np.zeros_like(share),
+            np.ones_like(share),
+            steps=_STEPS,
+            tolerance=1e-30,
         )
         values = low + np.clip(result.x, 0.0, 1.0) * (high - low)
-        error = float(np.max(np.abs(result.fun)))
+        error = float(np.max(np.abs(result.residual)))
         if error <= REACHED:
             return values
-        found.append((float(result.cost), values))
+        found.append((result.cost, values))
     if not found or not np.isfinite(found[0][0]):
         raise NotConverged("no pair of these ranges was solved: give other ranges.")
     return min(found, key=lambda item: item[0])[1]

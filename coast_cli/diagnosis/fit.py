@@ -12,11 +12,11 @@ from typing import Literal
 
 import numpy as np
 
-from coast_cli.diagnosis.least_squares import Descent, descend
 from coast_cli.diagnosis.noise_model import NoiseEvidence
 from coast_cli.diagnosis.problem import Problem
 from coast_cli.diagnosis.space import Booleans, ParameterSpace
 from coast_cli.effects.effect import Effect
+from coast_cli.mechanics.least_squares import Descent, descend
 from coast_cli.mechanics.section import FloatArray
 
 ROUGH_STEPS = 14

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from coast_cli.diagnosis.least_squares import least_squares, profile_interval
+from coast_cli.mechanics.least_squares import least_squares, profile_interval
 
 PROBLEMS = tomllib.loads((Path(__file__).parent / "data" / "nist_strd.toml").read_text(encoding="utf-8"))
 FUNCTIONS = {"exp": np.exp, "arctan": np.arctan, "cos": np.cos, "sin": np.sin, "pi": np.pi}

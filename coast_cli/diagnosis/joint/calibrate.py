@@ -17,9 +17,9 @@ import numpy as np
 
 from coast_cli.diagnosis.joint.build import build_joint_problem
 from coast_cli.diagnosis.joint.problem import CONFIG_KEYS, JointProblem
-from coast_cli.diagnosis.least_squares import FitResult, Residual, least_squares, profile_interval
 from coast_cli.diagnosis.noise_model import NOISE_COLOURS, NoiseBank
 from coast_cli.errors import BadInput, nearest
+from coast_cli.mechanics.least_squares import FitResult, Residual, least_squares, profile_interval
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

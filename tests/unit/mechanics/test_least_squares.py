@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import t
 
-from coast_cli.diagnosis.least_squares import least_squares, profile_interval
+from coast_cli.mechanics.least_squares import least_squares, profile_interval
 
 X = np.linspace(0.0, 1.0, 40)
 WIDE = np.full(2, -10.0), np.full(2, 10.0)
