@@ -10,7 +10,7 @@ import numpy as np
 
 from coast_cli.diagnosis.joint.build import build_joint_problem
 from coast_cli.diagnosis.joint.errors import UNITS, tip_of, to_unit
-from coast_cli.diagnosis.shapes.problem import build_shape_problem
+from coast_cli.diagnosis.shapes.build import build_shape_problem
 from coast_cli.recordings.noise import NoiseEstimate, Series, pooled_noise, recording_noise, run_noises
 from coast_cli.recordings.summary import known_noise
 from coast_cli.rows import Rows

@@ -25,11 +25,12 @@ from coast_cli.diagnosis.judge import (
     structure_is_left,
 )
 from coast_cli.diagnosis.locate import Region
+from coast_cli.diagnosis.shapes.build import build_shape_problem
 from coast_cli.diagnosis.shapes.curves import shape_curves
 from coast_cli.diagnosis.shapes.errors import UNIT, expected_of, shape_errors_of
 from coast_cli.diagnosis.shapes.holdout import hold_out_photographs
 from coast_cli.diagnosis.shapes.leftover import find_leftover, points_noise
-from coast_cli.diagnosis.shapes.problem import ShapeProblem, build_shape_problem
+from coast_cli.diagnosis.shapes.problem import ShapeProblem
 from coast_cli.diagnosis.shapes.stretches import locate_along_tube
 from coast_cli.diagnosis.shapes.words import (
     ANOTHER_GEOMETRY,

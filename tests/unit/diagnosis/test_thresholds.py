@@ -19,7 +19,10 @@ DECIDING = [
     *(f"joint/{name}" for name in ("axes", "build", "candidates", "errors", "holdout", "judge", "outliers", "problem")),
     "joint/structure",
     "joint/words",
-    *(f"shapes/{name}" for name in ("errors", "holdout", "judge", "leftover", "problem", "stretches", "words")),
+    *(
+        f"shapes/{name}"
+        for name in ("build", "errors", "holdout", "judge", "leftover", "problem", "stretches", "words")
+    ),
 ]
 # How far is searched, how finely, and what keeps numbers finite: they cost time, and decide nothing.
 EFFORT = {

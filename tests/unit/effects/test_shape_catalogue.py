@@ -7,7 +7,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from coast_cli.diagnosis.shapes.problem import ShapeProblem, build_shape_problem
+from coast_cli.diagnosis.shapes.build import build_shape_problem
+from coast_cli.diagnosis.shapes.problem import ShapeProblem
 from coast_cli.effects.catalogue import CATALOGUE, build_effects
 from coast_cli.effects.corrections import correction_parameters
 from coast_cli.effects.shapes.catalogue import SHAPE_CATALOGUE, build_shape_effects, in_order
