@@ -108,6 +108,13 @@ LACK_OF_FIT = Threshold(
 LEFT_TO_SAY = Threshold(0.5, "noise widths", "beyond the noise that are said to be left", _REASON)
 LAW_NATS = Threshold(8.0, "nats", "by which a law must be ahead of no law", _PILOT)
 LAW_UNSEEN = Threshold(3.0, "nats", "by which the rows that choose must be foretold better with a law", _PILOT)
+LAW_CERTIFIED = Threshold(
+    0.8, "of the error without it", "on rows that neither fitted nor chose, that a law may leave", _REASON
+)
+LEAST_MISFIT = Threshold(
+    1.6, "noise widths", "on unseen rows, slow noise granted, under which no law is wanted", _CLEAN
+)
+LEAST_OF_ONE_RUN = Threshold(3.0, "noise widths", "in that run, slow noise granted, for one run to be blamed", _CLEAN)
 LAW_TIE = Threshold(4.0, "nats", "behind the leading law within which another one tells the same", _PILOT)
 REFUSING_NATS = Threshold(12.0, "nats", "by which a law elsewhere must be ahead of a name to refuse it", _PILOT)
 

@@ -51,6 +51,9 @@ from coast_cli.diagnosis.thresholds import (
     FEWEST_SAMPLES,
     FROZEN_SHARE,
     HARM,
+    LAW_CERTIFIED,
+    LEAST_MISFIT,
+    LEAST_OF_ONE_RUN,
     LEFT_TO_SAY,
     MAX_HELD_OUT_SHARE,
     MAX_UNEXPLAINED_FRACTION,
@@ -508,6 +511,20 @@ def frames_that_repeat_are_named(case: JointCase) -> Case | None:
     return replace(case, contest=replace(case.contest, leading=named, tried=tried), is_stale=True)
 
 
+def a_law_that_unseen_rows_do_not_show_is_dropped(case: JointCase) -> Case | None:
+    """Rule: a law stands only where the certifying rows are foretold better with it than without it."""
+    if case.law is None or case.told is None or not case.kept_back.any:
+        return None
+    before = case.told.contest.leading
+    without = fit(case.known, before.fit.effects, before.fit.coordinates, steps=0)
+    missed = foretold(case.known, without, case.kept_back.rows).error
+    wanted = foretold(case.known, case.refitted_base, case.kept_back.rows).error > LEAST_MISFIT
+    if wanted and case.certified.error <= LAW_CERTIFIED * missed:
+        return None
+    leading = before if wanted else case.contest.base
+    return replace(case.led_by(leading), law=None, told=None, has_laws=False)
+
+
 def a_law_without_a_name_leads(case: JointCase) -> Ruling | None:
     """Rule: where no name is left, the law is what is answered; beyond two laws it is only a part."""
     if case.described is None or case.names:
@@ -526,6 +543,19 @@ def names_explain(case: JointCase) -> Ruling:
     return Ruling(ruling.verdict, f"{' + '.join(case.names)}{which} {case.explains_words}{beside}")
 
 
+def one_run_is_not_blamed_for_slow_noise(case: JointCase) -> Case | None:
+    """Rule: what one run alone has must stand clear of noise, as slow noise differs from run to run too."""
+    effects = case.leading.fit.effects
+    if case.is_settled or not effects or not all(isinstance(effect, OF_ONE_RUN) for effect in effects):
+        return None
+    with_it, without = (rms(one.residual) for one in (case.leading.fit, case.contest.base.fit))
+    share = sum(rows.any() for rows in case.problem.train)
+    lost = np.sqrt(max(without**2 - with_it**2, 0.0) * share) / max(case.problem.highest_floor, 1e-15)
+    if lost > LEAST_OF_ONE_RUN:
+        return None
+    return case.led_by(case.contest.base)
+
+
 def one_run_that_differs_is_named(case: JointCase) -> Case | None:
     """Rule: where one run alone is missed, it is asked whether another setting or label of that run explains it.
 
@@ -534,8 +564,15 @@ def one_run_that_differs_is_named(case: JointCase) -> Case | None:
     problem = case.problem
     if case.names or case.law is not None or not case.is_refused_by_unseen_rows:
         return None
-    missed = set(case.strangers) | (set(case.kept_back.runs) if not case.certified.passed else set())
-    if len(missed) != 1 or len(problem.runs) < FEWEST_RUNS_TO_DIFFER:
+    errors = {name: one.error for name, one in case.strangers.items()}
+    if not case.certified.passed:
+        errors |= dict.fromkeys(case.kept_back.runs, case.certified.error)
+    missed = set(errors)
+    if (
+        max(errors.values(), default=0.0) < LEAST_OF_ONE_RUN
+        or len(missed) != 1
+        or len(problem.runs) < FEWEST_RUNS_TO_DIFFER
+    ):
         return None
     number = next(index for index, run in enumerate(problem.runs) if run.name in missed)
     rows = rows_of_one_run(problem.runs, number)
@@ -564,7 +601,9 @@ JOINT_RULES: tuple[VerdictRule, ...] = (
     what_does_not_carry_over_is_dropped,
     what_is_redundant_is_dropped,
     what_vanished_is_dropped,
+    one_run_is_not_blamed_for_slow_noise,
     laws_without_a_name_compete,
+    a_law_that_unseen_rows_do_not_show_is_dropped,
     one_run_that_differs_is_named,
     frames_that_repeat_are_named,
     a_law_without_a_name_leads,

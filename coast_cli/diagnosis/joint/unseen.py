@@ -98,7 +98,7 @@ def _stretch(problem: JointProblem) -> float:
 
 
 def _judged(problem: JointProblem, residual: FloatArray, slopes: FloatArray, covariance: FloatArray) -> Unseen:
-    level = max(problem.floor, 1e-15)
+    level = max(problem.highest_floor, 1e-15)  # a run of slow noise is no fault: all of it is granted
     doubt = float(np.sqrt(max(float(np.mean(np.einsum("ij,jk,ik->i", slopes, covariance, slopes))), 0.0)))
     chance = _stretch(problem) / max(residual.size, 1)
     allowed = MOST_UNSEEN_NOISE * (1.0 + np.sqrt(2.0 * chance))
