@@ -20,6 +20,7 @@ from coast_cli.diagnosis.thresholds import (
     FEWEST_RUNS_TO_DIFFER,
     FLOOR_DOUBT,
     ONE_SAMPLE_SHARE,
+    ROUNDED,
     SLOW_NOISE,
     SMALLEST,
     SMOOTH_MISFIT,
@@ -167,7 +168,9 @@ class JointProblem:
 
     @property
     def frozen_fraction(self) -> float:
-        """The fraction of rows that repeat the frame before them."""
+        """The fraction of rows that repeat the frame before them; none where rounding makes neighbours equal anyway."""
+        if self.noise_estimate.quantum > ROUNDED * self.noise_estimate.level:
+            return 0.0
         return sum(int(one.frozen.sum()) for one in self.faults) / max(sum(len(run) for run in self.runs), 1)
 
     @property
