@@ -19,8 +19,8 @@ from coast_cli.diagnosis.thresholds import (
     DIFFERENCES_MARGIN,
     FEWEST_RUNS_TO_DIFFER,
     FLOOR_DOUBT,
+    FROZEN_BURST,
     ONE_SAMPLE_SHARE,
-    ROUNDED,
     SLOW_NOISE,
     SMALLEST,
     SMOOTH_MISFIT,
@@ -168,8 +168,10 @@ class JointProblem:
 
     @property
     def frozen_fraction(self) -> float:
-        """The fraction of rows that repeat the frame before them; none where rounding makes neighbours equal anyway."""
-        if self.noise_estimate.quantum > ROUNDED * self.noise_estimate.level:
+        """The fraction of rows that repeat the frame before them in bursts; rounding makes neighbours equal one by one."""
+        edges = [np.diff(np.append(False, one.frozen).astype(np.int8)) for one in self.faults]
+        bursts = sum(int(np.sum(edge > 0)) for edge in edges)
+        if sum(int(one.frozen.sum()) for one in self.faults) < FROZEN_BURST * bursts:
             return 0.0
         return sum(int(one.frozen.sum()) for one in self.faults) / max(sum(len(run) for run in self.runs), 1)
 
