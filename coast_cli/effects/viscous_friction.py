@@ -31,7 +31,7 @@ class ViscousFriction(Effect):
     source = "Kelvin-Voigt solid: Findley, Lai and Onaran, Creep and Relaxation (1976), sec. 5.4"
     parameters = (
         Parameter("time_constant_s", 0.0, 0.0, 200.0, (0.02, 0.1, 0.0), "part of a sweep", "duration"),
-        Parameter("sheath_time_s", 0.0, 0.0, 60.0, (0.0, 0.01), "part of a sweep", "duration", needs="stroke"),
+        Parameter("sheath_time_s", 0.0, 0.0, 60.0, (0.0, 0.01), "part of a sweep", "duration", needs="rates"),
     )
     needs = ("time",)
     decided_by = "the same loading and release at two rates and two bending lengths, with tension recorded"

@@ -25,6 +25,7 @@ from coast_cli.output.diagnosis_words import (
     sentence,
     shared_rows,
     tip,
+    told,
     unit_of,
 )
 
@@ -136,12 +137,15 @@ def _what(page: _Page, found: Diagnosis) -> None:
     if not found.effects:
         tried = f" Closest, not good enough: {', '.join(found.attempts)}." if found.attempts else ""
         page.say(f"Nothing is named.{tried}")
-        return
     for effect in found.effects:
         page.say(named(effect))
         page.say(effect.equation, indent=2 * _INDENT)
     if found.alternatives:
         page.say(f"The recording cannot tell it from: {others(found)}.")
+    law = told(found)
+    if law is not None:
+        page.say(law[0])
+        page.say(law[1], indent=2 * _INDENT)
 
 
 def _model(page: _Page, found: Diagnosis) -> None:
@@ -161,7 +165,7 @@ def _fit(page: _Page, found: Diagnosis) -> None:
     if fit is None:
         page.say("Nothing was fitted.")
         return
-    if found.effects:
+    if found.effects or found.verdict == "unnamed":
         page.say(gained(fit))
     page.table((f"RMS error ({unit_of(found)})", "train", "held out", "over noise"), levels(found))
     page.say(tip(found))

@@ -24,6 +24,7 @@ from coast_cli.output.diagnosis_words import (
     sentence,
     shared_rows,
     tip,
+    told,
     unit_of,
 )
 from coast_cli.output.html import Column, Row, bullets, figure, footer, page, paragraph, section, table
@@ -71,10 +72,16 @@ def _where(answer: DiagnosisAnswer) -> str:
 def _what(found: Diagnosis) -> str:
     if not found.effects:
         tried = f" Closest, not good enough: {', '.join(found.attempts)}." if found.attempts else ""
-        return paragraph(f"Nothing is named.{tried}")
-    items = [f"<p>{escape(named(effect))}<br>\n<code>{escape(effect.equation)}</code></p>" for effect in found.effects]
+        items = [paragraph(f"Nothing is named.{tried}")]
+    else:
+        items = [
+            f"<p>{escape(named(effect))}<br>\n<code>{escape(effect.equation)}</code></p>" for effect in found.effects
+        ]
     if found.alternatives:
         items.append(paragraph(f"The recording cannot tell it from: {others(found)}."))
+    law = told(found)
+    if law is not None:
+        items.append(f"<p>{escape(law[0])}<br>\n<code>{escape(law[1])}</code></p>")
     return "\n".join(items)
 
 
@@ -91,7 +98,7 @@ def _fit(found: Diagnosis) -> str:
     fit = found.comparison
     if fit is None:
         return paragraph("Nothing was fitted.")
-    said = paragraph(gained(fit)) if found.effects else ""
+    said = paragraph(gained(fit)) if found.effects or found.verdict == "unnamed" else ""
     errors = _table((f"RMS error ({unit_of(found)})", "train", "held out", "over noise"), levels(found))
     return said + errors + paragraph(tip(found)) + paragraph(held_out(fit))
 

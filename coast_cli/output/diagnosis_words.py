@@ -15,6 +15,7 @@ HEADLINES = {
     "physics": "The model leaves out physics.",
     "sensor": "The sensor, not the robot, disagrees with the model.",
     "ambiguous": "Something is left out; the recording cannot tell which.",
+    "unnamed": "Something is left out that has no name here; a law without a name describes it.",
     "unexplained": "Something is left out that no effect of the catalogue explains.",
     "insufficient": "The recording cannot decide.",
 }
@@ -99,8 +100,9 @@ def levels(found: Diagnosis) -> list[tuple[str, str, str, str]]:
     if fit is None:
         return []
     models = [("as configured", fit.configured), ("base refitted", fit.refitted)]
-    if found.effects or found.attempts:
-        models.append(("with effects" if found.effects else "closest effects", fit.with_effects))
+    if found.effects or found.attempts or found.verdict == "unnamed":
+        words = "with effects" if found.effects else "with the law" if found.verdict == "unnamed" else "closest effects"
+        models.append((words, fit.with_effects))
     rows = [
         (words, figure(level.train), figure(level.held_out), _in_noise(judged(level), found.noise))
         for words, level in models
@@ -134,6 +136,15 @@ def percent(share: float) -> str:
 def chance(probability: float) -> str:
     """Return a p-value."""
     return "< 1e-99" if probability < 1e-99 else f"{probability:.0e}"
+
+
+def told(found: Diagnosis) -> tuple[str, str] | None:
+    """Return what is said of a law without a name, and its equation; None where there is none."""
+    law = found.unnamed
+    if law is None:
+        return None
+    beside = "What the names leave: " if found.effects else ""
+    return f"{beside}{law.words}", law.equation
 
 
 def others(found: Diagnosis) -> str:

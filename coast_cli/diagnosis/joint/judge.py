@@ -531,16 +531,15 @@ def a_law_without_a_name_leads(case: JointCase) -> Ruling | None:
         return None
     if case.is_refused_by_unseen_rows:
         return Ruling("unexplained", f"{case.missed_words}; a part of it: {case.described.words}")
-    return Ruling("unnamed", f"a law without a name {case.explains_words}. {case.described.words}")
+    return Ruling("unnamed", f"a law without a name {case.explains_words}")
 
 
 def names_explain(case: JointCase) -> Ruling:
     """Rule: the leading effects are named, and what they explain and leave is said in noise widths."""
     ruling = effects_are_named(case)
-    beside = "" if case.described is None else f". What they leave: {case.described.words}"
     owners = [case.problem.runs[round(e.run)].name for e in case.leading.fit.effects if isinstance(e, OF_ONE_RUN)]
     which = f" (run {', '.join(owners)})" if owners else ""
-    return Ruling(ruling.verdict, f"{' + '.join(case.names)}{which} {case.explains_words}{beside}")
+    return Ruling(ruling.verdict, f"{' + '.join(case.names)}{which} {case.explains_words}")
 
 
 def one_run_is_not_blamed_for_slow_noise(case: JointCase) -> Case | None:

@@ -120,13 +120,13 @@ class OpenWorld:
         return None if self._completed(best) else best
 
     def _completed(self, best: LawFit) -> bool:
-        """Return whether the names with one law beside them say as much as laws alone."""
+        """Return whether the names with one law beside them say more than laws alone; of as many terms, as much."""
         laws = self.beside.laws
-        return (
-            bool(laws)
-            and self.carries_over(laws[0], self.contest.leading.fit)
-            and (laws[0].surprise <= best.surprise + REFUSING_NATS * self.scale)
-        )
+        if not laws or not self.carries_over(laws[0], self.contest.leading.fit):
+            return False
+        fewer = len(best.fit.effects) < len(laws[0].fit.effects)
+        margin = -REFUSING_NATS if fewer else REFUSING_NATS
+        return laws[0].surprise <= best.surprise + margin * self.scale
 
     def _stands_with(self, law: LawFit, leading: Hypothesis) -> bool:
         mine = [effect for effect in law.fit.effects if isinstance(effect, UnnamedLaw)]
@@ -151,7 +151,9 @@ class OpenWorld:
             for one in searched.laws
             if len(one.fit.effects) == terms and one.surprise <= law.surprise + LAW_TIE * self.scale
         ]
-        return tuple(dict.fromkeys([leading_law(law.fit.effects, law.law), *found]))
+        first = leading_law(law.fit.effects, law.law)
+        kinds = {(one.place, one.variable, one.memory): one for one in reversed([first, *found])}
+        return first, *(one for one in reversed(kinds.values()) if one is not first)
 
     @cached_property
     def nearest(self) -> tuple[tuple[str, float], ...]:

@@ -161,9 +161,12 @@ def _sentence(laws: Sequence[UnnamedLaw], nearest: Sequence[tuple[str, float]]) 
     if facts:
         text += ": " + ", ".join(facts)
     text += "."
-    others = [f"{_ADDED[law.place]} {_dependence(law)}" for law in laws[1:4]]
+    told = f"{_ADDED[leading.place]} {_dependence(leading)}"
+    others = [
+        one for one in dict.fromkeys(f"{_ADDED[law.place]} {_dependence(law)}" for law in laws[1:]) if one != told
+    ]
     if others:
-        text += f" The recording cannot tell it from {'; '.join(others)}."
+        text += f" The recording cannot tell it from {'; '.join(others[:3])}."
     if nearest:
         names = ", ".join(
             f"{identifier.replace('_', ' ')} (leaves {left:.2g} noise widths)" for identifier, left in nearest[:3]
