@@ -33,7 +33,7 @@ class ViscousFriction(Effect):
         Parameter("time_constant_s", 0.0, 0.0, 200.0, (0.02, 0.1, 0.0), "part of a sweep", "duration"),
         Parameter("sheath_time_s", 0.0, 0.0, 60.0, (0.0, 0.01), "part of a sweep", "duration", needs="rates"),
     )
-    needs = ("time",)
+    needs = ("time", "rates")
     decided_by = "the same loading and release at two rates and two bending lengths, with tension recorded"
 
     def drive(self, history: History) -> History:

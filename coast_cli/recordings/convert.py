@@ -40,9 +40,7 @@ def write_recordings(recordings: Recordings, stream: IO[str]) -> None:
     for name, own in zip(recordings.run_names, columns, strict=True):
         if list(own) != header:
             differs = ", ".join(sorted({*own} ^ {*header}))
-            raise UsageError(
-                f"--convert: runs {recordings.run_names[0]} and {name} differ in {differs}; convert them apart."
-            )
+            raise UsageError(f"runs {recordings.run_names[0]} and {name} differ in {differs}; convert them apart.")
     stream.write(",".join(header) + "\n")
     for own in columns:
         stream.writelines(",".join(row) + "\n" for row in zip(*own.values(), strict=True))

@@ -83,7 +83,7 @@ def suggest(path: str) -> str:
         dialect = _dialect_of(path)
         table = read_table(path, dialect)
     lines = _of_our_names(table) or _guessed(table, path)
-    head = f"# Proposed for {_plain(Path(path).name)}; edit it, then: coast recordings FILE --columns THIS_FILE.toml"
+    head = f"# Proposed for {_plain(Path(path).name)}; edit it, then give it as the columns of a recording"
     return "\n".join([head, "[columns]", *lines, *_rows(dialect)]) + "\n"
 
 

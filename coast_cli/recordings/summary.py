@@ -51,11 +51,9 @@ def known_noise(recordings: Recordings, noise: float | None) -> float | None:
         return None
     kinds = {run.kind for run in recordings.joint.runs} if recordings.joint else set()
     if not 0.0 < noise < float("inf"):
-        raise UsageError(f"--noise {noise}: not a noise; allowed: a number above 0 in the unit of the response.")
+        raise UsageError(f"{noise:g} is no noise level; allowed: a number above 0 in the unit of the response.")
     if len(kinds) != 1 or recordings.shape:
-        raise UsageError(
-            "--noise: one level for several units; allowed: recordings of one kind of response of a joint."
-        )
+        raise UsageError("one noise level for several units; allowed: recordings of one kind of response of a joint.")
     return noise * UNITS[kinds.pop()][1]
 
 

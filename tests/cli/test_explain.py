@@ -9,7 +9,17 @@ from coast_cli.effects.catalogue import CATALOGUE
 from coast_cli.effects.shapes.catalogue import SHAPE_CATALOGUE
 
 # What changes the response of the drive shown by less, in the whole of its range: the tubes are light, lengths are known.
-FAINT = {"gravity", "bending_length_offset", "leadscrew_pitch_error"}
+FAINT = {
+    "gravity",
+    "bending_length_offset",
+    "leadscrew_pitch_error",
+    # of another column than the response, of a load that a joint alone does not have, or of rows that are left out
+    "transmission_compliance",
+    "camera_saturation",
+    "frozen_frames",
+    "load_cell_scale",
+    "load_cell_offset",
+}
 
 
 def rows(ran):

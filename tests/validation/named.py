@@ -178,8 +178,8 @@ def outcome(case: Case, answer: Diagnosis) -> str:
     names = [effect.id for effect in answer.effects]
     if answer.verdict in ("agrees", "parameters"):
         return "none"
-    if answer.verdict in ("insufficient", "unexplained"):
-        return answer.verdict
+    if answer.verdict in ("insufficient", "unexplained", "unnamed"):
+        return "insufficient" if answer.verdict == "insufficient" else "unexplained"
     if names[0] == case.truth:
         return "first"
     if case.truth in names:

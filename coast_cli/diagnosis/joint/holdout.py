@@ -11,9 +11,9 @@ from coast_cli.diagnosis.holdout import HoldOut, check_named, whole_runs
 from coast_cli.diagnosis.thresholds import (
     BLOCKS,
     FEWEST_IN_BRANCH,
+    FEWEST_RUNS_TO_SPARE,
     LEAST_KEPT_BACK,
     MOST_KEPT_BACK,
-    MOST_RUNS_IN_BLOCKS,
     SHORTEST_FOR_BLOCKS,
 )
 from coast_cli.recordings.model import JointRun
@@ -100,21 +100,15 @@ def hold_out_others(runs: Sequence[JointRun], before: HoldOut) -> HoldOut | None
 
 
 def rows_that_choose(runs: Sequence[JointRun], certifying: HoldOut) -> HoldOut:
-    """Return rows of what is left that choose among hypotheses: a whole run where one can be spared, else blocks.
+    """Return a whole run of what is left that chooses among hypotheses; none where no run can be spared.
 
     Args:
         certifying: rows that are kept from every fit and every choice.
     """
     left = [run for run, rows in zip(runs, certifying.rows, strict=True) if not rows.any()]
-    found = _expendable(left)[-1:] if len(left) >= MOST_RUNS_IN_BLOCKS else ()
-    if found:
-        return whole_runs(runs, found, "a run whose conditions other runs also hold", chosen=True)
-    rows = []
-    for run, kept in zip(runs, certifying.rows, strict=True):
-        block = np.arange(len(run)) * int(BLOCKS) // max(len(run), 1)
-        long_enough = len(run) >= SHORTEST_FOR_BLOCKS and not kept.all()
-        rows.append(np.isin(block, (3, 6)) & ~kept if long_enough else np.zeros(len(run), bool))
-    return HoldOut(tuple(rows), (), "blocks of every run that is fitted", chosen=True)
+    found = _expendable(left)[-1:] if len(left) >= FEWEST_RUNS_TO_SPARE else ()
+    rule = "a run whose conditions other runs also hold" if found else "none, as no run can be spared"
+    return whole_runs(runs, found, rule, chosen=True)
 
 
 def rows_of_one_run(runs: Sequence[JointRun], number: int) -> HoldOut:

@@ -417,6 +417,8 @@ class JointCase(Case):
         notes = [*joint_limits(self.problem), *loop_note(self.problem, leading.effects), *one_length(self.problem)]
         if not self.kept_back.runs:
             notes.append(f"held out: {self.kept_back.rule}")
+        if self.leading.ids and not self.choosing.any:
+            notes.append("no run could be spared to choose among hypotheses: those that were fitted chose too")
         touching = zip(self.problem.base, leading.at_bound, strict=False)
         notes.extend(f"{parameter.name} is on its bound" for parameter, bound in touching if bound)
         if not leading.converged:

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from coast_cli.diagnosis import space as space_module
 from coast_cli.diagnosis.space import BaseParameter, Coordinate, ParameterSpace, bounds_of, configured_coordinates
 from coast_cli.effects.backlash import Backlash
 
@@ -40,6 +41,9 @@ def test_a_start_outside_is_moved_to_the_bound():
     assert space(coordinate()).joined(np.array([7.0])) == pytest.approx([2.0])
 
 
+STEP = space_module._DIFFERENCE
+
+
 def derivatives(at, **changes):
     calls = []
 
@@ -54,14 +58,15 @@ def derivatives(at, **changes):
 
 def test_derivatives_are_central_and_in_one_batch():
     found, calls = derivatives(1.0)
-    assert found == pytest.approx([2.0, 3.0], rel=1e-8)
+    assert found == pytest.approx([2.0, 3.0 + STEP**2], rel=1e-9)
     assert len(calls) == 2
 
 
 @pytest.mark.parametrize("bound", [0.0, 2.0])
 def test_derivatives_on_a_bound_are_one_sided_and_look_inside(bound):
     found, calls = derivatives(bound)
-    assert found == pytest.approx([2.0 * bound, 3.0 * bound**2], abs=2e-3)
+    inside = -STEP if bound > 0.0 else STEP
+    assert found == pytest.approx([2.0 * bound + inside, 3.0 * bound**2 + 3.0 * bound * inside + STEP**2], rel=1e-9)
     assert len(calls) == 1
     assert 0.0 <= calls[0] <= 2.0
 

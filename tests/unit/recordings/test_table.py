@@ -51,8 +51,9 @@ def test_many_unknown_columns_are_counted_not_listed(written):
     names = [f"foreign_{number}" for number in range(30)]
     text = ",".join(["bending_length_mm,stroke_mm,curvature_per_m", *names]) + "\n"
     read = read_recordings([written(text + "\n".join([",".join(["20", *"12"[:2], *"1" * 30])] * 2))], pair="MT1")
-    assert len(read.notes) == 21
-    assert read.notes[-1].endswith(": 10 more columns are not known and not used.")
+    unknown = [note for note in read.notes if "not known" in note]
+    assert len(unknown) == 21
+    assert unknown[-1].endswith(": 10 more columns are not known and not used.")
 
 
 @pytest.mark.parametrize("name", ["foreign_{}", "notch_{}_deg"])
