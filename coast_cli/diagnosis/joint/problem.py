@@ -348,8 +348,8 @@ class JointProblem:
 
     @property
     def noise_floor(self) -> float:
-        """The noise level that the recording itself shows, SI."""
-        return self.floor
+        """The noise level that the recording itself shows, SI, down to which sets of effects may grow."""
+        return min(self.floor, max(self.noise_estimate.level, 1e-15))
 
     @property
     def misfit(self) -> float:
