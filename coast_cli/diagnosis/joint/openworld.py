@@ -84,8 +84,10 @@ class OpenWorld:
         return float(0.5 * (inside * count + outside * unseen) + price)
 
     def left_over(self, fitted: Fit) -> float:
-        """Return what a fit leaves on the choosing rows beyond the noise, in noise widths."""
-        return float(np.sqrt(max(misfit(self.choosing, fitted)[0] - 1.0, 0.0)))
+        """Return what a fit leaves beyond the noise, in noise widths: on the choosing rows, or on all where none choose."""
+        outside, count = misfit(self.choosing, fitted)
+        left = outside if count else misfit(self.problem, fitted)[0]
+        return float(np.sqrt(max(left - 1.0, 0.0)))
 
     def gain(self, law: LawFit, fitted: Fit) -> float:
         """Return by how many nats a law is ahead of a fit, counted by what even the law leaves."""
