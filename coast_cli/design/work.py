@@ -81,6 +81,7 @@ def in_order(
 def _dask(address: str) -> Iterator[tuple[Executor, int]]:
     try:
         from distributed import Client, KilledWorker
+        from distributed.comm import CommClosedError
     except ImportError:
         raise UsageError("a cluster needs dask.distributed: pip install 'coast-cli[cluster]'.") from None
     try:
@@ -98,7 +99,8 @@ def _dask(address: str) -> Iterator[tuple[Executor, int]]:
         except CoastError:
             raise
         except Exception as error:
-            if client.status == "running" and not isinstance(error, CancelledError | KilledWorker):
+            lost = isinstance(error, CancelledError | KilledWorker | CommClosedError)
+            if client.status == "running" and not lost:
                 raise
             reason = "gave up a block whose workers ended" if isinstance(error, KilledWorker) else "is gone"
             raise WorkerLost(f"the dask scheduler at {address} {reason}: see to it, and run again.") from None
