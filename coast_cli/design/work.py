@@ -81,7 +81,7 @@ def in_order(
 def _dask(address: str) -> Iterator[tuple[Executor, int]]:
     try:
         from distributed import Client, KilledWorker
-        from distributed.comm import CommClosedError
+        from distributed.comm.core import CommClosedError
     except ImportError:
         raise UsageError("a cluster needs dask.distributed: pip install 'coast-cli[cluster]'.") from None
     try:
