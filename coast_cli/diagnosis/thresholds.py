@@ -98,6 +98,9 @@ AGREE_SIGMA = Threshold(2.6, "standard deviations", "within which two measuremen
 
 # Confidence.
 SUREST = Threshold(0.95, "", "probability that no name exceeds: the concealed cases bear out no more", _PILOT)
+SUREST_BESIDE_A_LAW = Threshold(
+    0.5, "", "probability that no name exceeds beside which a law without a name is needed", _REASON
+)
 LEAST_SURE = Threshold(0.01, "", "probability that no name falls below", _REASON)
 TEMPER = Threshold(2.0, "", "by which nats between rivals are divided, as noise models are never right", _PILOT)
 

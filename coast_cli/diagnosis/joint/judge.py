@@ -63,6 +63,7 @@ from coast_cli.diagnosis.thresholds import (
     REPEATS,
     SAMPLES_A_PARAMETER,
     STILL_NOISE,
+    SUREST_BESIDE_A_LAW,
     UNFELT,
 )
 from coast_cli.diagnosis.unnamed.search import LawFit
@@ -249,6 +250,12 @@ class JointCase(Case):
             parts.append(f"run {name}, foretold by the others: {unseen.error:.1f}, {unseen.allowed:.1f} allowed")
         what = " + ".join(self.names) or "the base model"
         return f"{what} does not foretell what it was not fitted to ({'; '.join(parts[:3])})"
+
+    @cached_property
+    def confidence(self) -> float:
+        """Probability of the leading names; where a law without a name must stand beside them, no more than even odds."""
+        most = 1.0 if self.described is None else float(SUREST_BESIDE_A_LAW)
+        return min(super().confidence, most)
 
     def named(self, final: Fit) -> tuple[Named, ...]:
         """Return the leading effects that have a name."""
