@@ -217,11 +217,15 @@ class Case(ABC):
 
     def comparison_of(self, fitted: Fit) -> SideBySide:
         """Return errors as configured, refitted, and with a fit's effects, side by side."""
+        return self.side_by_side(self.problem, self.contest.base.fit, fitted)
+
+    def side_by_side(self, known: Any, refitted: Fit, fitted: Fit) -> SideBySide:  # noqa: ANN401
+        """Return the errors of three models on the rows that ``known`` fits, and on those kept back."""
         levels = []
-        for one in (None, self.contest.base.fit, fitted):
+        for one in (None, refitted, fitted):
             coordinates = self.problem.configured() if one is None else one.coordinates
             effects = () if one is None else one.effects
-            train = self.errors(coordinates, effects, self.problem.train)
+            train = self.errors(coordinates, effects, known.train)
             out = self.errors(coordinates, effects, self.kept_back.rows) if self.kept_back.any else None
             levels.append((Level(train.response, None if out is None else out.response), (out or train).tip_mm))
         return SideBySide(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from coast_cli.diagnosis.answer import Diagnosis, Errors, Level, Named, SideBySide
+from coast_cli.diagnosis.answer import Diagnosis, Errors, Named, SideBySide
 from coast_cli.diagnosis.contest import hypothesis, run_contest
 from coast_cli.diagnosis.curves import JointCurve
 from coast_cli.diagnosis.fit import Fit, fit, rms
@@ -308,29 +308,10 @@ class JointCase(Case):
 
     def comparison_of(self, fitted: Fit) -> SideBySide:
         """Return errors as configured, refitted and with a fit's effects, on the certifying rows."""
-        known, refitted = self.known, self.refitted_base
-        chosen = (
-            self.chosen_fit if fitted is self.leading.fit else fit(known, fitted.effects, fitted.coordinates, steps=0)
-        )
-        levels = []
-        for coordinates, effects in (
-            (self.problem.configured(), ()),
-            (refitted.coordinates, ()),
-            (chosen.coordinates, chosen.effects),
-        ):
-            train = self.errors(coordinates, effects, known.train)
-            out = self.errors(coordinates, effects, self.kept_back.rows) if self.kept_back.any else None
-            levels.append((Level(train.response, None if out is None else out.response), (out or train).tip_mm))
-        return SideBySide(
-            unit=self.unit,
-            held_out_runs=self.kept_back.runs,
-            rule=self.kept_back.rule,
-            configured=levels[0][0],
-            refitted=levels[1][0],
-            with_effects=levels[2][0],
-            tip_mm_refitted=levels[1][1],
-            tip_mm_with_effects=levels[2][1],
-        )
+        chosen = self.chosen_fit
+        if fitted is not self.leading.fit:
+            chosen = fit(self.known, fitted.effects, fitted.coordinates, steps=0)
+        return self.side_by_side(self.known, self.refitted_base, chosen)
 
     def missed(self, fitted: Fit) -> float | None:
         """Return the error on the choosing rows, in the unit of tables; None where no rows choose."""
