@@ -239,7 +239,7 @@ def cluster(tmp_path):
     running = [run("dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", *file)]
     alone = ("--nthreads", "1", "--no-nanny", "--no-dashboard", "--local-directory", str(tmp_path / "dask"))
     running += [run("dask_worker", *file, *alone) for _ in range(2)]
-    while not note.exists():
+    while not note.exists() or not note.stat().st_size:  # the file is there before its text is
         assert running[0].poll() is None
         time.sleep(0.05)
     try:

@@ -37,7 +37,10 @@ def count(event, _):
         if left == 0:
             os.kill(os.getpid(), number)
 sys.addaudithook(count)
-sys.exit(main())
+code = main()
+if number == 0:
+    print(-left, file=sys.stderr)
+sys.exit(code)
 """
 
 
@@ -54,10 +57,16 @@ def run(*words, ignored=()):
     )
 
 
+@pytest.fixture(scope="module")
+def imports():
+    """How many imports a whole run makes here: their number changes with the libraries' versions."""
+    return int(run(0, 0, "rank-pairs", ROOT / "configs" / "tubes.toml").stderr.split()[-1])
+
+
 @pytest.mark.parametrize("number", SIGNALS, ids=lambda number: number.name)
-@pytest.mark.parametrize("place", [20, 60, 120, 240, 400])
-def test_a_signal_while_modules_are_loaded_is_one_sentence(reference, number, place):
-    ran = run(place, number.value, "rank-pairs", reference)
+@pytest.mark.parametrize("share", [0.05, 0.15, 0.3, 0.6, 0.95])
+def test_a_signal_while_modules_are_loaded_is_one_sentence(reference, number, share, imports):
+    ran = run(round(share * imports), number.value, "rank-pairs", reference)
     assert (ran.returncode, ran.stdout, ran.stderr) == (128 + number, "", f"coast: {SIGNALS[number]}.\n")
 
 
