@@ -4,9 +4,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from coast_cli.diagnosis.joint.judge import (
+from coast_cli.diagnosis.joint.case import excess
+from coast_cli.diagnosis.joint.rules import (
     JOINT_RULES,
-    excess,
     names_explain,
     what_does_not_carry_over_is_dropped,
     what_is_redundant_is_dropped,

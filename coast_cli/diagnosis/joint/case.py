@@ -1,0 +1,318 @@
+"""A joint's contest to be judged: what unseen rows say of it, what is left over, and the answer under a ruling."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from coast_cli.diagnosis.answer import Errors, Named, SideBySide
+from coast_cli.diagnosis.curves import JointCurve
+from coast_cli.diagnosis.fit import Fit, fit
+from coast_cli.diagnosis.holdout import HoldOut
+from coast_cli.diagnosis.joint.axes import locate_joint
+from coast_cli.diagnosis.joint.errors import UNITS, errors_of, held_out_spread, to_unit
+from coast_cli.diagnosis.joint.holdout import ONE_RUN
+from coast_cli.diagnosis.joint.openworld import OpenWorld
+from coast_cli.diagnosis.joint.problem import CONFIG_KEYS, JointProblem
+from coast_cli.diagnosis.joint.structure import Structure, find_structure
+from coast_cli.diagnosis.joint.unseen import Unseen, foretold, strangers
+from coast_cli.diagnosis.joint.words import (
+    SAME_SWEEP_AGAIN,
+    joint_limits,
+    loop_note,
+    one_length,
+    untested,
+)
+from coast_cli.diagnosis.judge import (
+    Case,
+    Leftover,
+    Ruling,
+)
+from coast_cli.diagnosis.locate import Region
+from coast_cli.diagnosis.space import Booleans
+from coast_cli.diagnosis.spread import Spread, effect_keys, spread_of
+from coast_cli.diagnosis.thresholds import (
+    ABOVE_NOISE,
+    FAR_ABOVE_NOISE,
+    HARM,
+    LEFT_TO_SAY,
+    MAX_HELD_OUT_SHARE,
+    MAX_UNEXPLAINED_SHARE,
+    MAX_UNEXPLAINED_SHARE_OF_SETS,
+    REPEATS,
+    SUREST_BESIDE_A_LAW,
+)
+from coast_cli.diagnosis.unnamed.search import LawFit
+from coast_cli.diagnosis.unnamed.words import Description, describe
+from coast_cli.effects.unnamed import UnnamedLaw
+from coast_cli.mechanics.section import FloatArray
+
+
+@dataclass(frozen=True)
+class JointCase(Case):
+    """A joint's contest to be judged.
+
+    Attributes:
+        choosing: rows that choose among hypotheses; ``kept_back`` are those that certify the choice.
+        law: a law without a name that leads, or stands beside the names; None where there is none.
+        told: what the law competed with. has_laws: whether laws without a name compete at all.
+        is_stale: whether frames that repeat were named.
+    """
+
+    problem: JointProblem
+    choosing: HoldOut = field(kw_only=True)
+    law: LawFit | None = field(default=None, kw_only=True)
+    told: OpenWorld | None = field(default=None, kw_only=True)
+    has_laws: bool = field(default=True, kw_only=True)
+    is_stale: bool = field(default=False, kw_only=True)
+
+    agrees = "the model as configured agrees with the recording within its noise"
+    alike = "several sets of effects explain the recording alike"
+
+    @property
+    def unit(self) -> str:  # type: ignore[override]
+        """Unit of the response in tables."""
+        return UNITS[self.problem.runs[0].kind]
+
+    @property
+    def floor(self) -> float:
+        """The noise, SI: to say that something unknown is there, all slow noise is granted, as for a name."""
+        return self.problem.floor if self.leading.ids else self.problem.highest_floor
+
+    @property
+    def allowed_share(self) -> float:
+        """Share of what was explained that may be left over; less of a set, which may draw anything."""
+        single = len(self.leading.ids) < 2 or self.problem.runs[0].kind == "notch"
+        return MAX_UNEXPLAINED_SHARE if single else MAX_UNEXPLAINED_SHARE_OF_SETS
+
+    @cached_property
+    def structure(self) -> Structure:
+        """Structure that the leading set leaves."""
+        return find_structure(self.problem, self.leading.fit)
+
+    @cached_property
+    def open_world(self) -> OpenWorld:
+        """Names against laws without a name."""
+        return OpenWorld(self.problem, self.problem.only(self.choosing.rows), self.contest)
+
+    @property
+    def is_settled(self) -> bool:
+        """Whether a rule has put something in the place of what the contest of names led by."""
+        asked = self.kept_back.rule == ONE_RUN
+        return self.law is not None or self.is_stale or asked
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Ids of the leading set that have a name."""
+        return tuple(e.id for e in self.leading.fit.effects if not isinstance(e, UnnamedLaw))
+
+    @cached_property
+    def described(self) -> Description | None:
+        """What is said of the law that leads or stands beside the names; None where there is none."""
+        if self.law is None or self.told is None or len(self.names) == len(self.leading.ids):
+            return None
+        run = self.problem.runs[0]
+        nearest = () if self.names else self.told.nearest
+        return describe(self.told.alike(self.law), run.kind, nearest, driven_by_tension=run.stroke is None)
+
+    def in_widths(self, error: float | None) -> float:
+        """Return what an error, in the unit of tables, is beyond the noise, in noise widths."""
+        level = self.in_unit(self.problem.noise_estimate.level)
+        return float(np.sqrt(max((error or 0.0) ** 2 - level**2, 0.0)) / max(level, 1e-300))
+
+    @property
+    def explains_words(self) -> str:
+        """How much is explained and how much is left on rows that were not fitted, in noise widths."""
+        levels = self.comparison
+        unseen = levels.refitted.held_out is not None
+        before = self.in_widths(levels.refitted.held_out if unseen else levels.refitted.train)
+        after = self.in_widths(levels.with_effects.held_out if unseen else levels.with_effects.train)
+        explained = float(np.sqrt(max(before**2 - after**2, 0.0)))
+        rows = "rows that were not fitted" if unseen else "the rows that were fitted, as none could be kept back"
+        left = f"{after:.1f} are left" if after > LEFT_TO_SAY else "nothing beyond the noise is left"
+        return f"explains {explained:.1f} of {before:.1f} noise widths on {rows}; {left}"
+
+    @property
+    def missed_words(self) -> str:
+        """Which unseen rows are missed, and by how much."""
+        parts = []
+        if not self.certified.passed:
+            rows = f"run {', '.join(self.kept_back.runs)}" if self.kept_back.runs else "rows that were not fitted"
+            parts.append(f"{rows}: {self.certified.error:.1f} noise widths, {self.certified.allowed:.1f} allowed")
+        for name, unseen in sorted(self.strangers.items(), key=lambda item: -item[1].error):
+            parts.append(f"run {name}, foretold by the others: {unseen.error:.1f}, {unseen.allowed:.1f} allowed")
+        what = " + ".join(self.names) or "the base model"
+        return f"{what} does not foretell what it was not fitted to ({'; '.join(parts[:3])})"
+
+    @cached_property
+    def confidence(self) -> float:
+        """Probability of the leading names; where a law without a name must stand beside them, no more than even odds."""
+        most = 1.0 if self.described is None else float(SUREST_BESIDE_A_LAW)
+        return min(super().confidence, most)
+
+    def named(self, final: Fit) -> tuple[Named, ...]:
+        """Return the leading effects that have a name."""
+        return tuple(one for one in super().named(final) if one.id in self.names)
+
+    @cached_property
+    def known(self) -> JointProblem:
+        """The problem with the rows that were fitted and those that chose."""
+        return self.problem.only(self.kept_back.fitted)
+
+    @cached_property
+    def chosen_fit(self) -> Fit:
+        """The leading set, fitted to all rows that are known."""
+        return fit(self.known, self.leading.fit.effects, self.leading.fit.coordinates, steps=0)
+
+    @cached_property
+    def certified(self) -> Unseen:
+        """How the leading set foretells the certifying rows."""
+        return foretold(self.known, self.chosen_fit, self.kept_back.rows)
+
+    @cached_property
+    def strangers(self) -> dict[str, Unseen]:
+        """Runs that the others do not foretell, by name."""
+        return strangers(self.known, self.chosen_fit, self.contest.base.fit)
+
+    @cached_property
+    def is_refused_by_unseen_rows(self) -> bool:
+        """Whether unseen rows contradict the answer.
+
+        Where nothing is named, the certifying rows and every run against the others lie within what noise and doubt allow.
+        A name may leave a part of what it explains, which is said.
+        """
+        if not self.names:
+            return not self.certified.passed or bool(self.strangers)
+        if self.certified.passed:
+            return False
+        before = foretold(self.known, self.refitted_base, self.kept_back.rows)
+        return self.certified.error > MAX_UNEXPLAINED_SHARE * before.error
+
+    @cached_property
+    def refitted_base(self) -> Fit:
+        """The base model, fitted to all rows that are known."""
+        return fit(self.known, (), self.contest.base.fit.coordinates)
+
+    def final(self, fitted: Fit) -> Fit:
+        """Return the fit on every row, unless the user named runs that no fit may see."""
+        if self.kept_back.chosen:
+            return super().final(fitted)
+        return self.chosen_fit if fitted is self.leading.fit else self.refitted_base
+
+    def comparison_of(self, fitted: Fit) -> SideBySide:
+        """Return errors as configured, refitted and with a fit's effects, on the certifying rows."""
+        chosen = self.chosen_fit
+        if fitted is not self.leading.fit:
+            chosen = fit(self.known, fitted.effects, fitted.coordinates, steps=0)
+        return self.side_by_side(self.known, self.refitted_base, chosen)
+
+    def missed(self, fitted: Fit) -> float | None:
+        """Return the error on the choosing rows, in the unit of tables; None where no rows choose."""
+        if not self.choosing.any:
+            return None
+        return self.errors(fitted.coordinates, fitted.effects, self.choosing.rows).response
+
+    def is_named(self, ruling: Ruling) -> bool:
+        """Return whether the leading set is named."""
+        return super().is_named(ruling) and ruling.verdict != "unnamed"
+
+    def in_unit(self, value: float) -> float:
+        """Return an SI response in the unit of tables."""
+        return to_unit(self.problem.runs[0].kind, value)
+
+    def errors(self, coordinates: FloatArray, effects: Sequence[Any], rows: Sequence[Booleans]) -> Errors:
+        """Return the errors of a model on some rows."""
+        return errors_of(self.problem, coordinates, effects, rows)
+
+    def _leftover(self) -> Leftover:
+        size = excess(
+            self.leading.fit, self.floor, self.structure.repeats, ABOVE_NOISE if self.leading.ids else FAR_ABOVE_NOISE
+        )
+        kept = "needs direction or history" if self.structure.memory else "needs neither direction nor history"
+        repeats = f"{100 * max(self.structure.repeats, 0.0):.0f} % of it repeats from run to run"
+        unit = "1/m" if self.problem.runs[0].kind == "curvature" else "degrees"
+        words = f"{self.in_unit(size):.3g} {unit} is left that no effect of the catalogue explains"
+        return Leftover(size, f"{words}; {repeats}, and it {kept}")
+
+    def noise_level(self, ruling: Ruling) -> float:
+        """Return the noise that the recording shows, SI."""
+        return self.problem.noise_estimate.level
+
+    def where(self, ruling: Ruling, final: Fit) -> tuple[Region, ...]:
+        """Return the regions that hold the base model's excess error."""
+        base = self.contest.base.fit if self.kept_back.rule != ONE_RUN else self.refitted_base
+        return locate_joint(
+            self.problem if self.kept_back.rule != ONE_RUN else self.known, base, self.leading.fit.evidence.memory
+        )
+
+    def curves(self, final: Fit) -> tuple[JointCurve, ...]:
+        """Return what the refitted base and the corrected model predict of every run."""
+        before = self.problem.predict(self.contest.base.fit.coordinates, ())
+        after = self.problem.predict(final.coordinates, final.effects)
+        runs = zip(self.problem.runs, before, after, strict=True)
+        return tuple(JointCurve(run, old.response, new.response) for run, old, new in runs)
+
+    def model_spread(self, final: Fit) -> Spread | None:
+        """Return how sure the numbers of the saved model are."""
+        base = self.problem.base
+        values = self.problem.values(final.coordinates)
+        keys = [CONFIG_KEYS[parameter.name] for parameter in base] + effect_keys(final.effects)
+        scale = [values[parameter.name] if parameter.logarithmic else 1.0 for parameter in base]
+        return spread_of(keys, [*scale, *[1.0] * (len(keys) - len(scale))], final.covariance)
+
+    def carries_over(self, fitted: Fit) -> bool:
+        """Return whether most of the improvement is there on rows that were not fitted.
+
+        Rows that the base model predicts within the noise cannot show an improvement, only harm. Elsewhere the error may
+        be as large as the noise and what the fit does not know of its parameters make it.
+        """
+        before, after = self.missed(self.contest.base.fit), self.missed(fitted)
+        if before is None or after is None:
+            return True
+        within = ABOVE_NOISE * self.in_unit(self.floor)
+        if before < within:
+            return after < HARM * before
+        if after < before and (after < within or after < MAX_HELD_OUT_SHARE * before):
+            return True
+        unsure = held_out_spread(self.problem, fitted, self.choosing.rows)
+        return after < before and after < np.hypot(within, ABOVE_NOISE * unsure)
+
+    def next_recording(self, ruling: Ruling) -> str:
+        """Return what would settle what is open, in bench words."""
+        if ruling.verdict == "unnamed" and self.law is not None:
+            return self.law.law.decided_by
+        if self.rivals and self.described is None:
+            from coast_cli.diagnosis.joint.plan import next_recording
+
+            proposals = next_recording(self.problem, [self.leading.fit, *(rival.fit for rival in self.rivals[:3])])
+            if proposals and proposals[0].gain > 0.0:
+                return f"{proposals[0].words} (expected to add {proposals[0].gain:.0f} nats between the closest two)"
+            return self.first_effect().decided_by
+        if ruling.verdict == "unexplained":
+            return SAME_SWEEP_AGAIN
+        return self.first_effect().decided_by if self.is_named(ruling) else untested(self.problem)
+
+    def notes(self, ruling: Ruling, final: Fit) -> tuple[str, ...]:
+        """Return what joint_limits the answer, a sentence each."""
+        leading = self.leading.fit
+        notes = [*joint_limits(self.problem), *loop_note(self.problem, leading.effects), *one_length(self.problem)]
+        if not self.kept_back.runs:
+            notes.append(f"held out: {self.kept_back.rule}")
+        if self.leading.ids and not self.choosing.any:
+            notes.append("no run could be spared to choose among hypotheses: those that were fitted chose too")
+        touching = zip(self.problem.base, leading.at_bound, strict=False)
+        notes.extend(f"{parameter.name} is on its bound" for parameter, bound in touching if bound)
+        if not leading.converged:
+            notes.append("the fit was still moving when it stopped")
+        return tuple(notes)
+
+
+def excess(fitted: Fit, floor: float, repeats: float, margin: float) -> float:
+    """Return the RMS of what is neither model nor noise, SI; a residual within ``margin`` of the floor is noise."""
+    above = np.sqrt(max(fitted.rmse**2 - floor**2, 0.0)) if fitted.rmse > margin * floor else 0.0
+    repeated = fitted.rmse * np.sqrt(max(repeats, 0.0)) if repeats > REPEATS else 0.0
+    return float(max(above, repeated))
