@@ -15,6 +15,7 @@ import numpy as np
 
 from coast_cli.diagnosis.fit import Fit, fit, rms
 from coast_cli.diagnosis.problem import Contender, Problem, Variant
+from coast_cli.diagnosis.space import inverse
 from coast_cli.diagnosis.thresholds import (
     ALIKE_NATS,
     AT_FLOOR,
@@ -177,9 +178,8 @@ def _occam(problem: Problem, fitted: Fit) -> float:
     paying = space.pays & space.moving
     if not paying.any():
         return 0.0
-    unit = 1.0 / np.sqrt(np.diag(fitted.covariance)[paying])
-    correlation = fitted.covariance[np.ix_(paying, paying)] * np.outer(unit, unit)
-    sharper = np.linalg.inv(correlation) * np.outer(unit * space.width[paying], unit * space.width[paying])
+    width = space.width[paying]
+    sharper = inverse(fitted.covariance[np.ix_(paying, paying)]) * np.outer(width, width)
     # By eigenvalues: where one parameter is known far better than another, a determinant loses the lesser one.
     return 0.5 * float(np.sum(np.log(np.maximum(np.linalg.eigvalsh(sharper + np.diag(~space.expected[paying])), 1.0))))
 
@@ -291,7 +291,7 @@ def screen(problem: Problem, parent: Fit, candidates: Sequence[Contender]) -> li
     residual = parent.stacked / weights
     nuisance = parent.jacobian / weights[:, np.newaxis]
     spread = problem.space(parent.effects).spread
-    precision = nuisance.T @ nuisance + np.diag(1.0 / spread**2)
+    covariance = inverse(nuisance.T @ nuisance + np.diag(1.0 / spread**2))
     starts = [start for candidate in candidates for start in candidate.starts]
     sets = [problem.ordered((*parent.effects, start)) for start in starts]
     moved = iter(problem.residuals([(parent.coordinates, effects) for effects in sets]) if sets else [])
@@ -300,7 +300,7 @@ def screen(problem: Problem, parent: Fit, candidates: Sequence[Contender]) -> li
         steps: list[tuple[float, Effect]] = []
         for start in candidate.starts:
             change = next(moved) / weights - residual
-            change -= nuisance @ np.linalg.solve(precision, nuisance.T @ change)
+            change -= nuisance @ (covariance @ (nuisance.T @ change))
             size = float(change @ change)
             if size < _UNSEEN * max(1.0, float(residual @ residual)):
                 continue

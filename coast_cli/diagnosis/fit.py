@@ -14,7 +14,7 @@ import numpy as np
 
 from coast_cli.diagnosis.noise_model import NoiseEvidence
 from coast_cli.diagnosis.problem import Problem
-from coast_cli.diagnosis.space import Booleans, ParameterSpace
+from coast_cli.diagnosis.space import Booleans, ParameterSpace, inverse
 from coast_cli.effects.effect import Effect
 from coast_cli.mechanics.least_squares import Descent, descend
 from coast_cli.mechanics.section import FloatArray
@@ -208,10 +208,8 @@ def _finished(weighing: _Weighing, found: Descent) -> Fit:
     weighing.coloured(evidences)
     slopes = weighing.weighted(raw)[:, space.moving]
     precision = slopes.T @ slopes / problem.misfit + np.diag(1.0 / space.spread[space.moving] ** 2)
-    unit = 1.0 / np.sqrt(np.diag(precision))
     covariance = np.zeros((found.x.size, found.x.size))
-    inverse = np.linalg.inv(precision * np.outer(unit, unit)) * np.outer(unit, unit)
-    covariance[np.ix_(space.moving, space.moving)] = inverse
+    covariance[np.ix_(space.moving, space.moving)] = inverse(precision)
     coordinates, effects = space.split(found.x)
     return Fit(
         effects=effects,

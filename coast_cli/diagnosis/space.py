@@ -240,3 +240,16 @@ class ParameterSpace:
             if len(ends) == 1 and ahead[place] == vector[place]:
                 slopes[:, place] *= -1.0
         return slopes
+
+
+def inverse(precision: FloatArray) -> FloatArray:
+    """Return the inverse (q, q) of a symmetric precision with a positive diagonal, finite for every one.
+
+    What rounding leaves of a direction is taken as its rounding error: a recording without noise fixes one combination of
+    parameters so much better than another that the lesser one is lost, and the matrix singular.
+    """
+    unit = 1.0 / np.sqrt(np.diag(precision))
+    values, vectors = np.linalg.eigh(precision * np.outer(unit, unit))
+    values = np.maximum(values, unit.size * np.finfo(float).eps)
+    found: FloatArray = (vectors / values) @ vectors.T * np.outer(unit, unit)
+    return found

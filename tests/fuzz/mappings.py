@@ -1,17 +1,7 @@
-"""Fuzzing of mappings and of MATLAB files: other people's files, and what is said of them.
+"""What is fuzzed of other people's files: mappings, foreign tables and MATLAB files, by the standard library and scipy."""
 
-    python -m tests.fuzz.mappings mapping --minutes 10
-
-runs one target in this process, by the mutations of its structure and of its bytes; what is no refusal in one sentence
-is written beside the command line that found it. The seeds and mutations are the standard library's and scipy's own.
-"""
-
-import argparse
 import random
-import sys
 import tempfile
-import time
-import traceback
 from io import BytesIO
 from pathlib import Path
 
@@ -134,38 +124,3 @@ TARGETS = {
         mutate_bytes,
     ),
 }
-
-
-def main() -> int:
-    """Fuzz one target for a time, in processor time; return 1 where something was found."""
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("target", choices=TARGETS)
-    parser.add_argument("--minutes", type=float, default=10.0, help="processor time")
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--out", type=Path, default=Path("findings"))
-    options = parser.parse_args()
-    target, chance = TARGETS[options.target], random.Random(options.seed)
-    seeds, seen, runs, refused = target.seeds(), set(), 0, 0
-    path = Path(tempfile.mkdtemp()) / f"fuzzed{target.suffix}"
-    while time.process_time() < 60.0 * options.minutes:
-        data = chance.choice(seeds)
-        for _ in range(chance.choice((1, 1, 2, 3))):
-            data = target.mutate(data, chance) if chance.random() < 0.7 else mutate_bytes(data, chance)
-        path.write_bytes(data[:60_000])
-        runs += 1
-        try:
-            refused += target.try_one(path) is None
-        except Exception as error:  # noqa: BLE001  # anything is a finding
-            place = traceback.extract_tb(error.__traceback__)[-1]
-            if (type(error), place.filename, place.lineno) not in seen:
-                seen.add((type(error), place.filename, place.lineno))
-                options.out.mkdir(parents=True, exist_ok=True)
-                kept = options.out / f"{options.target}-{len(seen):03d}{target.suffix}"
-                kept.write_bytes(path.read_bytes())
-                sys.stderr.write(f"FOUND {kept}: {type(error).__name__}: {error} at {place.filename}:{place.lineno}\n")
-    sys.stderr.write(f"{options.target}: {runs} runs, {refused} refused, {len(seen)} findings\n")
-    return int(bool(seen))
-
-
-if __name__ == "__main__":
-    sys.exit(main())

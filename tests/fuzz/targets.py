@@ -9,11 +9,13 @@ import re
 import tomllib
 import zlib
 from collections.abc import Callable, Sequence
-from contextlib import redirect_stderr, redirect_stdout
+from contextlib import closing, redirect_stderr, redirect_stdout
 from copy import deepcopy
 from dataclasses import dataclass
 from json import loads
 from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
 
 import tomli_w
 
@@ -432,7 +434,71 @@ def _as_file(pixels: object, chance: random.Random) -> bytes:
     return stream.getvalue()
 
 
+def _tube_seeds() -> list[bytes]:
+    text = CONFIG.read_text(encoding="utf-8")
+    explored = (ROOT / "examples" / "explore.toml").read_text(encoding="utf-8")
+    table = "martensite_modulus_gpa = 25.0\nupper_plateau_mpa = 450.0\nlower_plateau_mpa = 180.0\ntemperature_c = 37.0"
+    superelastic = f"{text}\n[materials.nitinol.superelastic]\n{table}\n"
+    return [part.encode() for part in (text, explored, explored, superelastic)]
+
+
+def _note_seeds() -> list[bytes]:
+    """Return what unfinished runs left: without a block, with rows, and with arrays of several kinds."""
+    import numpy as np
+
+    states = ({}, {"front": np.arange(12.0).reshape(3, 4), "count": np.int64(3)}, {"names": np.array(["S4", "S1"])})
+    found = []
+    for state in states:
+        with TemporaryDirectory() as place, closing(_stream(Path(place))) as stream:
+            if state:
+                stream.write({"outer": np.array(["=1+1", "OT4"]), "stroke_mm": np.array([0.5, 1.0])}, state)
+            found.append((stream.part / "note").read_bytes() + SEAM + (stream.part / "rows.csv").read_bytes())
+    return found
+
+
+def _stream(folder: Path) -> Any:
+    from coast_cli.output.stream import CsvStream
+
+    return CsvStream(folder / "pairs.csv", "the same command", overwrite=False)
+
+
+class NoteTarget(Target):
+    """What an unfinished run left: its note and its rows, with a seam between; read as the same command would."""
+
+    def try_one(self, path: Path) -> int | None:
+        note, _, rows = path.read_bytes().partition(SEAM)
+        with TemporaryDirectory() as place:
+            folder = Path(place) / "pairs.csv.part"
+            folder.mkdir(mode=0o700)
+            (folder / "note").write_bytes(note)
+            (folder / "rows.csv").write_bytes(rows)
+            try:
+                stream = _stream(Path(place))
+            except CoastError:
+                return None
+            stream.close()
+            return 0
+
+    def replay(self, path: Path) -> None:
+        self.try_one(path)
+
+
+def _mutate_note(data: bytes, chance: random.Random) -> bytes:
+    """Change numbers and names of the note's head, or bytes of any part."""
+    head, newline, rest = data.partition(b"\n")
+    if chance.random() < 0.5:
+        at = chance.randrange(len(data) + 1)
+        return data[:at] + bytes(chance.randrange(256) for _ in range(chance.choice((0, 1, 8)))) + data[at + 1 :]
+    words = re.findall(rb'[0-9]+|"[^"]*"|.', head)
+    if words:
+        texts = (b"0", b"-1", b"1e999", b"9" * 30, b'"x"', b"null", b"[]", b"{}", b'"|O"', b'"<f8"', b"[1073741824]")
+        words[chance.randrange(len(words))] = chance.choice((*texts, b"", chance.choice(words)))
+    return b"".join(words) + newline + rest
+
+
+SEAM = b"\0-- rows --\0"
 JSON = ("--format", "json")
+SMALL = ("--set", "explore.tubes=6", "--set", "explore.refinements=1")
 TARGETS = {
     "config": Target(
         ".toml",
@@ -493,6 +559,21 @@ TARGETS = {
         _path_seeds,
         mutate_csv,
     ),
+    "tubes": Target(
+        ".toml",
+        (
+            ("pattern", "{file}", "--tube", "OT4", "--kerf", "0.02", *JSON),
+            ("sensitivity", "{file}", *JSON),
+            ("snap", "{file}", *JSON),
+            ("beam", "{file}", "--tube", "OT4", "--points", "5", *JSON),
+            ("rank-pairs", "{file}", *JSON),
+            ("explore", "{file}", *SMALL, *JSON),
+            ("design", "{file}", "--target", "rigidity_ratio_series=2.5", *JSON),
+        ),
+        _tube_seeds,
+        mutate_toml,
+    ),
+    "note": NoteTarget(".note", (("explore", "--all"),), _note_seeds, _mutate_note),
     "protocol": Target(
         ".csv",
         (("plan", str(CONFIG), "--protocol", "{file}", "--x2", "20", *JSON),),

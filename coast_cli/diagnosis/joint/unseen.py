@@ -9,7 +9,7 @@ import numpy as np
 
 from coast_cli.diagnosis.fit import Fit, fit, rms
 from coast_cli.diagnosis.joint.problem import JointProblem
-from coast_cli.diagnosis.space import Booleans
+from coast_cli.diagnosis.space import Booleans, inverse
 from coast_cli.diagnosis.thresholds import FEWEST_IN_REGION, MOST_UNSEEN_NOISE, UNSEEN_DOUBT
 from coast_cli.effects.unnamed import UnnamedLaw
 from coast_cli.mechanics.section import FloatArray
@@ -82,7 +82,7 @@ def runs_against_the_rest(problem: JointProblem, fitted: Fit) -> dict[str, Unsee
         if np.all(mine):
             return {}
         rest = slopes[~mine] / level
-        covariance = np.linalg.inv(rest.T @ rest / stretch + prior)
+        covariance = inverse(rest.T @ rest / stretch + prior)
         # At the optimum the whole gradient vanishes, so what the run pulls is what the rest would take back.
         step = covariance @ (slopes[mine].T @ residual[mine]) / level**2 / stretch
         found[problem.runs[index].name] = _judged(

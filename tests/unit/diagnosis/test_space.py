@@ -4,7 +4,14 @@ import numpy as np
 import pytest
 
 from coast_cli.diagnosis import space as space_module
-from coast_cli.diagnosis.space import BaseParameter, Coordinate, ParameterSpace, bounds_of, configured_coordinates
+from coast_cli.diagnosis.space import (
+    BaseParameter,
+    Coordinate,
+    ParameterSpace,
+    bounds_of,
+    configured_coordinates,
+    inverse,
+)
 from coast_cli.effects.backlash import Backlash
 
 MODULUS = BaseParameter("youngs_modulus_gpa", 45.0, 30.0, 60.0, 0.5, logarithmic=True)
@@ -89,3 +96,12 @@ def test_only_what_is_expected_counts_in_the_prior_and_the_rest_is_held_weakly()
 
 def test_a_bound_that_is_touched_is_said():
     assert space(coordinate(), coordinate()).touching(np.array([0.0, 1.0])) == (True, False)
+
+
+@pytest.mark.parametrize("scale", [1.0, 1e9, 1e18])
+def test_a_precision_that_rounding_made_singular_has_a_finite_inverse(scale):
+    slopes = np.array([[1.0, 2.0], [1.0, 2.0]]) * scale
+    found = inverse(slopes.T @ slopes + np.diag([1.0, 4.0]))
+    assert np.all(np.linalg.eigvalsh(found) > 0.0)
+    if scale == 1.0:
+        assert found @ (slopes.T @ slopes + np.diag([1.0, 4.0])) == pytest.approx(np.eye(2), abs=1e-12)
