@@ -27,6 +27,7 @@ Need = Literal[
     "reversals",
     "pairs",
     "outer",
+    "linear_tubes",
     "runs",
     "witness",
     "period",

@@ -1,6 +1,7 @@
 """Tube hysteresis: nitinol strips load along an upper stress plateau and come back along a lower one.
 
-The base of both is the stress-strain curve of ``mechanics.superelastic`` put into the sections of the joint's own tubes.
+The base of both is the stress-strain curve of ``mechanics.superelastic`` put into the sections of the joint's own tubes;
+the plateaus of tubes that have a curve of their own are replaced by the fitted ones.
 Between the plateaus the segment unloads elastically, which friction does not let it do: that tells the two apart.
 """
 
@@ -12,15 +13,13 @@ import numpy as np
 
 from coast_cli.effects.effect import Effect, History, Parameter, Segment
 from coast_cli.effects.memory import follow
+from coast_cli.effects.plateau import fitted_tubes, softened
 from coast_cli.mechanics.bending_law import interpolated
 from coast_cli.mechanics.joint import Joint
-from coast_cli.mechanics.release import LoadAndRelease, load_and_release
+from coast_cli.mechanics.release import LoadAndRelease
 from coast_cli.mechanics.section import FloatArray
-from coast_cli.mechanics.superelastic import Superelastic
 from coast_cli.units import MEGAPASCAL
 
-_LENGTH = 0.046  # of the plateau in strain (physics.md, sizes worth knowing)
-_NARROWEST = 0.98  # lower plateau over upper
 _SHARES = np.linspace(0.0, 1.0, 33)
 
 
@@ -64,10 +63,7 @@ class TubeHysteresis(Effect):
         """Take off what the upper plateau no longer carries; what release adds is remembered by ``settle``."""
         if self.stiffness_lost == 0.0:
             return moment
-        change = np.zeros_like(curvature)
-        for part, tube in self._tubes(segment.joint):
-            change += part * (tube.load.carried(curvature.reshape(1, -1)).reshape(curvature.shape) - curvature)
-        return moment + segment.rigidity * change
+        return moment + segment.rigidity * softened(segment.joint, self._tubes(segment.joint), curvature)
 
     def settle(self, curvature: FloatArray, history: History, joint: Joint, rigidity: float, arm: float) -> FloatArray:
         """Let the curvature (n, m) come back along the lower plateau: what has transformed waits between two bounds."""
@@ -89,20 +85,8 @@ class TubeHysteresis(Effect):
         return np.asarray(elastic.reshape(curvature.shape) + waiting)
 
     def _tubes(self, joint: Joint) -> list[tuple[float, LoadAndRelease]]:
-        """Return load and release of each tube with its fraction of the joint's rigidity."""
-        found = []
-        for tube, towards_notch in ((joint.outer, False), (joint.middle, True)):
-            if tube is not None:
-                part = tube.rigidity_series / tube.youngs_modulus / joint.second_moment
-                law = self._law(joint.youngs_modulus)
-                both = load_and_release(tube.row, law, joint.youngs_modulus, towards_notch=towards_notch)
-                found.append((part, both))
-        return found
-
-    def _law(self, modulus: float) -> Superelastic:
-        upper = self.upper_plateau_mpa * MEGAPASCAL
-        lower = min(self.lower_plateau_mpa * MEGAPASCAL, _NARROWEST * upper)
-        return Superelastic(modulus, modulus, upper, lower, _LENGTH, (1.0 - self.stiffness_lost) * modulus)
+        upper, lower = self.upper_plateau_mpa * MEGAPASCAL, self.lower_plateau_mpa * MEGAPASCAL
+        return fitted_tubes(joint, upper, lower, self.stiffness_lost)
 
 
 def _compliances(history: History, joint: Joint, rigidity: float, arm: float) -> tuple[FloatArray, FloatArray]:

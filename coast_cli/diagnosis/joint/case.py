@@ -25,6 +25,7 @@ from coast_cli.diagnosis.joint.words import (
     joint_limits,
     loop_note,
     one_length,
+    plateau_note,
     untested,
 )
 from coast_cli.diagnosis.judge import (
@@ -306,6 +307,7 @@ class JointCase(Case):
             notes.append("no run could be spared to choose among hypotheses: those that were fitted chose too")
         touching = zip(self.problem.base, leading.at_bound, strict=False)
         notes.extend(f"{parameter.name} is on its bound" for parameter, bound in touching if bound)
+        notes.extend(plateau_note(self.problem, leading) if self.is_named(ruling) else [])
         if not leading.converged:
             notes.append("the fit was still moving when it stopped")
         return tuple(notes)

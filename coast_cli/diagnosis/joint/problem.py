@@ -29,6 +29,7 @@ from coast_cli.diagnosis.thresholds import (
 from coast_cli.effects.catalogue import in_order
 from coast_cli.effects.effect import Effect, History, Need, Scale
 from coast_cli.effects.forward import Layout, Prediction, Tables, predict
+from coast_cli.effects.plateau import has_own_curve
 from coast_cli.mechanics.joint import Joint, curvature_from_stroke
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.recordings.evidence import Evidence as Held
@@ -158,6 +159,7 @@ class JointProblem:
             "pairs": len(self.joints) > 1 or any(np.ptp(tube.depth) > 0.0 for tube in tubes),
             "rates": self.held.has_rates,
             "outer": any(joint.outer is not None for joint in self.joints.values()),
+            "linear_tubes": not any(has_own_curve(joint) for joint in self.joints.values()),
             "runs": sum(bool(rows.any()) for rows in self.train) >= int(FEWEST_RUNS_TO_DIFFER),
             "witness": self.tension_noise is not None,
             "period": self.swing is not None,

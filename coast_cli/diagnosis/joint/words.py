@@ -6,11 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from coast_cli.diagnosis.fit import Fit
 from coast_cli.diagnosis.joint.loop import widest_loop
-from coast_cli.diagnosis.joint.problem import JointProblem
+from coast_cli.diagnosis.joint.problem import JointProblem, with_base
 from coast_cli.effects.backlash import Backlash
 from coast_cli.effects.effect import Effect
-from coast_cli.units import MILLIMETRE
+from coast_cli.effects.plateau import has_own_curve
+from coast_cli.effects.tube_superelasticity import TubeSuperelasticity
+from coast_cli.units import MEGAPASCAL, MILLIMETRE
 
 FIRST_RECORDING = (
     "load from slack to the largest stroke and release to zero, 200 samples or more, at two bending lengths"
@@ -51,6 +54,16 @@ def loop_note(problem: JointProblem, effects: Sequence[Effect]) -> list[str]:
     unit, name = (MILLIMETRE, "mm") if problem.runs[0].stroke is not None else (1.0, "N")
     low, high = f"{loop.low / unit:.2g} {name}", f"{loop.high / unit:.2g} {name}"
     return [f"the loop is {low} wide at a fifth of the response and {high} at four fifths: {loop.meaning}"]
+
+
+def plateau_note(problem: JointProblem, fit: Fit) -> list[str]:
+    """Say at which stress the plateau begins, where a softening of tubes with a curve of their own was fitted as a strain."""
+    found = [effect for effect in fit.effects if isinstance(effect, TubeSuperelasticity)]
+    joints = [joint for joint in problem.joints.values() if has_own_curve(joint)]
+    if not (found and joints):
+        return []
+    stress = found[0].plateau(with_base(joints[0], problem.values(fit.coordinates))) / MEGAPASCAL
+    return [f"tube_superelasticity: the upper plateau is at {stress:.4g} MPa, knee_strain times the joint's modulus"]
 
 
 def untested(problem: JointProblem) -> str:
