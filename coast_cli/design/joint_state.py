@@ -15,16 +15,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from coast_cli.effects.backlash import Backlash
-from coast_cli.effects.bending_length_offset import BendingLengthOffset
-from coast_cli.effects.camera_offset import CameraOffset
-from coast_cli.effects.camera_scale import CameraScale
 from coast_cli.effects.catalogue import in_order
 from coast_cli.effects.effect import Effect
 from coast_cli.effects.forward import Layout, Tables
-from coast_cli.effects.leadscrew_pitch_error import SCREW_PITCH, LeadscrewPitchError
+from coast_cli.effects.library.backlash import Backlash
+from coast_cli.effects.library.bending_length_offset import BendingLengthOffset
+from coast_cli.effects.library.camera_offset import CameraOffset
+from coast_cli.effects.library.camera_scale import CameraScale
+from coast_cli.effects.library.leadscrew_pitch_error import SCREW_PITCH, LeadscrewPitchError
+from coast_cli.effects.library.sensor_lag import SensorLag
 from coast_cli.effects.memory import waiting_parts
-from coast_cli.effects.sensor_lag import SensorLag
 from coast_cli.effects.stations import Stations
 from coast_cli.errors import BadInput, UsageError
 from coast_cli.mechanics.joint import Joint, Tendon

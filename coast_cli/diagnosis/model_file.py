@@ -84,7 +84,7 @@ def calibrated_text(config: Config, calibration: Calibration, recordings: Record
 
 def _correction(effect: Effect) -> dict[str, Any]:
     """Return the table of a correction; what is not the tubes' own says on which kind of recording it was found."""
-    from coast_cli.effects.shapes.effect import ShapeEffect
+    from coast_cli.effects.shape_effect import ShapeEffect
     from coast_cli.effects.unnamed import UnnamedLaw
 
     if isinstance(effect, UnnamedLaw):

@@ -4,40 +4,40 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from coast_cli.effects.backlash import Backlash
-from coast_cli.effects.bending_length_label import BendingLengthLabel
-from coast_cli.effects.bending_length_offset import BendingLengthOffset
-from coast_cli.effects.camera_offset import CameraOffset
-from coast_cli.effects.camera_saturation import CameraSaturation
-from coast_cli.effects.camera_scale import CameraScale
-from coast_cli.effects.capstan_hysteresis import CapstanHysteresis
-from coast_cli.effects.chord_section import ChordSection
 from coast_cli.effects.corrections import Correction, faults, own_values, unnamed_law
-from coast_cli.effects.coulomb_friction import CoulombFriction
-from coast_cli.effects.distributed_notch_friction import DistributedNotchFriction
 from coast_cli.effects.effect import STAGES, Effect
-from coast_cli.effects.frozen_frames import FrozenFrames
-from coast_cli.effects.gravity import Gravity
-from coast_cli.effects.leadscrew_pitch_error import LeadscrewPitchError
-from coast_cli.effects.load_cell_offset import LoadCellOffset
-from coast_cli.effects.load_cell_scale import LoadCellScale
-from coast_cli.effects.lost_steps import LostSteps
-from coast_cli.effects.notch_closure import NotchClosure
-from coast_cli.effects.notch_end_effect import NotchEndEffect
-from coast_cli.effects.periodic_disturbance import PeriodicDisturbance
-from coast_cli.effects.precurvature import Precurvature
-from coast_cli.effects.run_differs import RunDiffers
-from coast_cli.effects.sensor_lag import SensorLag
-from coast_cli.effects.snap_through import SnapThrough
-from coast_cli.effects.tendon_creep import TendonCreep
-from coast_cli.effects.tendon_permanent_set import TendonPermanentSet
-from coast_cli.effects.tendon_superelasticity import TendonSuperelasticity
-from coast_cli.effects.thermal_drift import ThermalDrift
-from coast_cli.effects.tip_load import TipLoad
-from coast_cli.effects.transmission_compliance import TransmissionCompliance
-from coast_cli.effects.tube_hysteresis import TubeHysteresis
-from coast_cli.effects.tube_superelasticity import TubeSuperelasticity
-from coast_cli.effects.viscous_friction import ViscousFriction
+from coast_cli.effects.library.backlash import Backlash
+from coast_cli.effects.library.bending_length_label import BendingLengthLabel
+from coast_cli.effects.library.bending_length_offset import BendingLengthOffset
+from coast_cli.effects.library.camera_offset import CameraOffset
+from coast_cli.effects.library.camera_saturation import CameraSaturation
+from coast_cli.effects.library.camera_scale import CameraScale
+from coast_cli.effects.library.capstan_hysteresis import CapstanHysteresis
+from coast_cli.effects.library.chord_section import ChordSection
+from coast_cli.effects.library.coulomb_friction import CoulombFriction
+from coast_cli.effects.library.distributed_notch_friction import DistributedNotchFriction
+from coast_cli.effects.library.frozen_frames import FrozenFrames
+from coast_cli.effects.library.gravity import Gravity
+from coast_cli.effects.library.leadscrew_pitch_error import LeadscrewPitchError
+from coast_cli.effects.library.load_cell_offset import LoadCellOffset
+from coast_cli.effects.library.load_cell_scale import LoadCellScale
+from coast_cli.effects.library.lost_steps import LostSteps
+from coast_cli.effects.library.notch_closure import NotchClosure
+from coast_cli.effects.library.notch_end_effect import NotchEndEffect
+from coast_cli.effects.library.periodic_disturbance import PeriodicDisturbance
+from coast_cli.effects.library.precurvature import Precurvature
+from coast_cli.effects.library.run_differs import RunDiffers
+from coast_cli.effects.library.sensor_lag import SensorLag
+from coast_cli.effects.library.snap_through import SnapThrough
+from coast_cli.effects.library.tendon_creep import TendonCreep
+from coast_cli.effects.library.tendon_permanent_set import TendonPermanentSet
+from coast_cli.effects.library.tendon_superelasticity import TendonSuperelasticity
+from coast_cli.effects.library.thermal_drift import ThermalDrift
+from coast_cli.effects.library.tip_load import TipLoad
+from coast_cli.effects.library.transmission_compliance import TransmissionCompliance
+from coast_cli.effects.library.tube_hysteresis import TubeHysteresis
+from coast_cli.effects.library.tube_superelasticity import TubeSuperelasticity
+from coast_cli.effects.library.viscous_friction import ViscousFriction
 from coast_cli.errors import BadInput
 
 # Listed in the order in which they act; a lag comes before the camera's scale and offset.

@@ -12,8 +12,8 @@ import pytest
 
 from coast_cli.diagnosis.joint import diagnose_joint
 from coast_cli.diagnosis.shapes import diagnose_shapes
-from coast_cli.effects.backlash import Backlash
-from coast_cli.effects.tendon_superelasticity import TendonSuperelasticity
+from coast_cli.effects.library.backlash import Backlash
+from coast_cli.effects.library.tendon_superelasticity import TendonSuperelasticity
 from coast_cli.recordings.read import read_recordings
 from coast_cli.spec.load import load_config, load_config_text
 from tests.modelled_joint import CONFIG, recording

@@ -30,9 +30,9 @@ from coast_cli.diagnosis.thresholds import (
     NEEDED,
     UNFELT,
 )
-from coast_cli.effects.bending_length_label import BendingLengthLabel
-from coast_cli.effects.frozen_frames import FrozenFrames
-from coast_cli.effects.run_differs import RunDiffers
+from coast_cli.effects.library.bending_length_label import BendingLengthLabel
+from coast_cli.effects.library.frozen_frames import FrozenFrames
+from coast_cli.effects.library.run_differs import RunDiffers
 
 OF_ONE_RUN = (RunDiffers, BendingLengthLabel)
 

@@ -9,10 +9,10 @@ import numpy as np
 from coast_cli.diagnosis.fit import Fit
 from coast_cli.diagnosis.joint.loop import widest_loop
 from coast_cli.diagnosis.joint.problem import JointProblem, with_base
-from coast_cli.effects.backlash import Backlash
 from coast_cli.effects.effect import Effect
+from coast_cli.effects.library.backlash import Backlash
+from coast_cli.effects.library.tube_superelasticity import TubeSuperelasticity
 from coast_cli.effects.plateau import has_own_curve
-from coast_cli.effects.tube_superelasticity import TubeSuperelasticity
 from coast_cli.units import MEGAPASCAL, MILLIMETRE
 
 FIRST_RECORDING = (

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coast_cli.diagnosis.shapes.photograph import Photograph
-from coast_cli.effects.shapes.effect import Loads, Pieces, ShapeEffect
+from coast_cli.effects.shape_effect import Loads, Pieces, ShapeEffect
 from coast_cli.mechanics.beam import solve_segments
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.mechanics.tube import NotchedTube

@@ -49,8 +49,8 @@ from coast_cli.diagnosis.thresholds import (
     SAMPLES_A_PARAMETER,
 )
 from coast_cli.effects.effect import Effect
-from coast_cli.effects.shapes.effect import TUBE, ShapeEffect
-from coast_cli.effects.shapes.local_stiffness_defect import LocalStiffnessDefect
+from coast_cli.effects.library.local_stiffness_defect import LocalStiffnessDefect
+from coast_cli.effects.shape_effect import TUBE, ShapeEffect
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.recordings.noise import NoiseEstimate
 from coast_cli.units import MILLIMETRE

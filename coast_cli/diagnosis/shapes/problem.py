@@ -35,8 +35,8 @@ from coast_cli.diagnosis.thresholds import (
     SMALLEST,
     SMALLEST_PART,
 )
+from coast_cli.effects.shape_effect import Scene, ShapeEffect
 from coast_cli.effects.shapes.catalogue import SHAPE_CATALOGUE, in_order
-from coast_cli.effects.shapes.effect import Scene, ShapeEffect
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.mechanics.tube import NotchedTube
 from coast_cli.units import GIGAPASCAL, MILLIMETRE

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from coast_cli.effects.effect import Parameter
-from coast_cli.effects.shapes.effect import ShapeEffect
+from coast_cli.effects.shape_effect import ShapeEffect
 from coast_cli.mechanics.section import FloatArray
 
 

@@ -5,20 +5,20 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from coast_cli.effects.corrections import Correction, own_values
-from coast_cli.effects.shapes.base_tilt import BaseTilt
+from coast_cli.effects.library.base_tilt import BaseTilt
+from coast_cli.effects.library.camera_tilt import CameraTilt
+from coast_cli.effects.library.lens_distortion import LensDistortion
+from coast_cli.effects.library.local_stiffness_defect import LocalStiffnessDefect
+from coast_cli.effects.library.neutral_axis_offset import NeutralAxisOffset
+from coast_cli.effects.library.notch_depth_error import NotchDepthError
+from coast_cli.effects.library.precurvature_gradient import PrecurvatureGradient
+from coast_cli.effects.library.roll_misalignment import RollMisalignment
+from coast_cli.effects.shape_effect import ShapeEffect
 from coast_cli.effects.shapes.camera_scale import CameraScale
-from coast_cli.effects.shapes.camera_tilt import CameraTilt
 from coast_cli.effects.shapes.chord_section import ChordSection
 from coast_cli.effects.shapes.coulomb_friction import CoulombFriction
-from coast_cli.effects.shapes.effect import ShapeEffect
 from coast_cli.effects.shapes.gravity import Gravity
-from coast_cli.effects.shapes.lens_distortion import LensDistortion
-from coast_cli.effects.shapes.local_stiffness_defect import LocalStiffnessDefect
-from coast_cli.effects.shapes.neutral_axis_offset import NeutralAxisOffset
-from coast_cli.effects.shapes.notch_depth_error import NotchDepthError
 from coast_cli.effects.shapes.notch_end_effect import NotchEndEffect
-from coast_cli.effects.shapes.precurvature_gradient import PrecurvatureGradient
-from coast_cli.effects.shapes.roll_misalignment import RollMisalignment
 from coast_cli.effects.shapes.tip_load import TipLoad
 
 SHAPE_CATALOGUE: dict[str, type[ShapeEffect]] = {

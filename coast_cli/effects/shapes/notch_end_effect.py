@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Self
 
 from coast_cli.effects.effect import Parameter
-from coast_cli.effects.shapes.effect import BY_TUBE, ShapeEffect
+from coast_cli.effects.shape_effect import BY_TUBE, ShapeEffect
 from coast_cli.mechanics.end_effect import end_length
 from coast_cli.mechanics.tube import NotchedTube
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from coast_cli.effects.effect import Parameter
-from coast_cli.effects.shapes.effect import Loads, Scene, ShapeEffect
+from coast_cli.effects.shape_effect import Loads, Scene, ShapeEffect
 from coast_cli.units import MILLINEWTON
 
 

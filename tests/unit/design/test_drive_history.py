@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from coast_cli.design.drive_history import drive_along
-from coast_cli.effects.backlash import Backlash
-from coast_cli.effects.capstan_hysteresis import CapstanHysteresis
 from coast_cli.effects.catalogue import CATALOGUE
 from coast_cli.effects.effect import History
 from coast_cli.effects.forward import Layout, predict
+from coast_cli.effects.library.backlash import Backlash
+from coast_cli.effects.library.capstan_hysteresis import CapstanHysteresis
 from coast_cli.mechanics.joint import stroke
 from coast_cli.spec.build import build
 from coast_cli.spec.load import load_config

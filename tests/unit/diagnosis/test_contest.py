@@ -7,7 +7,7 @@ import pytest
 from coast_cli.diagnosis.contest import Contest, Hypothesis, ranked, run_contest
 from coast_cli.diagnosis.joint.build import build_joint_problem
 from coast_cli.diagnosis.thresholds import ALIKE_NATS, EFFECT_NATS, TIE
-from coast_cli.effects.backlash import Backlash
+from coast_cli.effects.library.backlash import Backlash
 from tests.modelled_joint import CONFIG, recording
 
 

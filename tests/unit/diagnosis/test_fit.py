@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from coast_cli.diagnosis.fit import fit
-from coast_cli.effects.backlash import Backlash
-from coast_cli.effects.camera_offset import CameraOffset
-from coast_cli.effects.capstan_hysteresis import CapstanHysteresis
-from coast_cli.effects.sensor_lag import SensorLag
-from coast_cli.effects.tendon_creep import TendonCreep
-from coast_cli.effects.tube_superelasticity import TubeSuperelasticity
+from coast_cli.effects.library.backlash import Backlash
+from coast_cli.effects.library.camera_offset import CameraOffset
+from coast_cli.effects.library.capstan_hysteresis import CapstanHysteresis
+from coast_cli.effects.library.sensor_lag import SensorLag
+from coast_cli.effects.library.tendon_creep import TendonCreep
+from coast_cli.effects.library.tube_superelasticity import TubeSuperelasticity
 from tests.modelled_joint import problem_of, recording
 
 NOISE = 0.1

@@ -12,7 +12,7 @@ from coast_cli.diagnosis.space import (
     configured_coordinates,
     inverse,
 )
-from coast_cli.effects.backlash import Backlash
+from coast_cli.effects.library.backlash import Backlash
 
 MODULUS = BaseParameter("youngs_modulus_gpa", 45.0, 30.0, 60.0, 0.5, logarithmic=True)
 PLAY = BaseParameter("deadband_mm", 1.0, 0.0, 3.0, 1.0)

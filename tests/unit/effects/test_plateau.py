@@ -11,9 +11,9 @@ from scipy.optimize import least_squares
 from coast_cli.diagnosis.joint.words import plateau_note
 from coast_cli.effects.effect import History
 from coast_cli.effects.forward import Layout, predict
+from coast_cli.effects.library.tube_hysteresis import TubeHysteresis
+from coast_cli.effects.library.tube_superelasticity import TubeSuperelasticity
 from coast_cli.effects.plateau import fitted_law, has_own_curve
-from coast_cli.effects.tube_hysteresis import TubeHysteresis
-from coast_cli.effects.tube_superelasticity import TubeSuperelasticity
 from coast_cli.mechanics.fibres import moment_history, ring_fibres, strip_fibres
 from coast_cli.mechanics.joint import Joint, Tendon, tendon_shortening
 from coast_cli.mechanics.superelastic import Superelastic

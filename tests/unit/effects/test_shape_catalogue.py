@@ -11,8 +11,8 @@ from coast_cli.diagnosis.shapes.build import build_shape_problem
 from coast_cli.diagnosis.shapes.problem import ShapeProblem
 from coast_cli.effects.catalogue import CATALOGUE, build_effects
 from coast_cli.effects.corrections import correction_parameters
+from coast_cli.effects.shape_effect import TUBE, ShapeEffect
 from coast_cli.effects.shapes.catalogue import SHAPE_CATALOGUE, build_shape_effects, in_order
-from coast_cli.effects.shapes.effect import TUBE, ShapeEffect
 from coast_cli.errors import BadInput
 from coast_cli.recordings.model import ShapeRun
 from coast_cli.spec.load import load_config_text

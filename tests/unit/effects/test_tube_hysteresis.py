@@ -7,7 +7,7 @@ import pytest
 
 from coast_cli.effects.effect import History
 from coast_cli.effects.forward import Layout, predict
-from coast_cli.effects.tube_hysteresis import TubeHysteresis
+from coast_cli.effects.library.tube_hysteresis import TubeHysteresis
 from coast_cli.mechanics.fibres import moment_history, ring_fibres, strip_fibres
 from coast_cli.mechanics.joint import Joint, Tendon, tendon_shortening
 from coast_cli.mechanics.superelastic import Superelastic

@@ -1,15 +1,15 @@
 import numpy as np
 import pytest
 
-from coast_cli.effects.backlash import Backlash
-from coast_cli.effects.camera_scale import CameraScale
 from coast_cli.effects.catalogue import in_order
-from coast_cli.effects.coulomb_friction import CoulombFriction
 from coast_cli.effects.effect import History
 from coast_cli.effects.forward import Layout, predict
-from coast_cli.effects.precurvature import Precurvature
-from coast_cli.effects.sensor_lag import SensorLag
-from coast_cli.effects.tendon_creep import TendonCreep
+from coast_cli.effects.library.backlash import Backlash
+from coast_cli.effects.library.camera_scale import CameraScale
+from coast_cli.effects.library.coulomb_friction import CoulombFriction
+from coast_cli.effects.library.precurvature import Precurvature
+from coast_cli.effects.library.sensor_lag import SensorLag
+from coast_cli.effects.library.tendon_creep import TendonCreep
 from coast_cli.effects.unnamed import UnnamedLaw
 from coast_cli.spec.build import build_joint
 from coast_cli.spec.load import REFERENCE, load_config

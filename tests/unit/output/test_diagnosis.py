@@ -12,7 +12,7 @@ import pytest
 
 from coast_cli.diagnosis.answer import Diagnosis, Level, Named, SideBySide, Value
 from coast_cli.diagnosis.locate import Region
-from coast_cli.effects.backlash import Backlash
+from coast_cli.effects.library.backlash import Backlash
 from coast_cli.errors import UsageError
 from coast_cli.output import diagnosis_json, diagnosis_page
 from coast_cli.output.diagnosis import DiagnosisAnswer, Outputs, write_diagnosis

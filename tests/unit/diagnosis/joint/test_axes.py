@@ -5,11 +5,11 @@ import pytest
 
 from coast_cli.diagnosis.fit import fit
 from coast_cli.diagnosis.joint.axes import locate_joint
-from coast_cli.effects.backlash import Backlash
-from coast_cli.effects.capstan_hysteresis import CapstanHysteresis
-from coast_cli.effects.coulomb_friction import CoulombFriction
-from coast_cli.effects.notch_closure import NotchClosure
-from coast_cli.effects.tendon_superelasticity import TendonSuperelasticity
+from coast_cli.effects.library.backlash import Backlash
+from coast_cli.effects.library.capstan_hysteresis import CapstanHysteresis
+from coast_cli.effects.library.coulomb_friction import CoulombFriction
+from coast_cli.effects.library.notch_closure import NotchClosure
+from coast_cli.effects.library.tendon_superelasticity import TendonSuperelasticity
 from tests.modelled_joint import TOP, problem_of, recording
 
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from coast_cli.diagnosis.joint import diagnose_joint
-from coast_cli.effects.backlash import Backlash
-from coast_cli.effects.camera_offset import CameraOffset
-from coast_cli.effects.notch_closure import NotchClosure
-from coast_cli.effects.sensor_lag import SensorLag
-from coast_cli.effects.tendon_superelasticity import TendonSuperelasticity
+from coast_cli.effects.library.backlash import Backlash
+from coast_cli.effects.library.camera_offset import CameraOffset
+from coast_cli.effects.library.notch_closure import NotchClosure
+from coast_cli.effects.library.sensor_lag import SensorLag
+from coast_cli.effects.library.tendon_superelasticity import TendonSuperelasticity
 from coast_cli.errors import BadInput
 from coast_cli.spec.load import REFERENCE, load_config_text
 from tests.modelled_joint import CONFIG, cycle, make_run, recording

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from coast_cli.diagnosis.joint.loop import widest_loop
-from coast_cli.effects.backlash import Backlash
-from coast_cli.effects.capstan_hysteresis import CapstanHysteresis
 from coast_cli.effects.effect import History
 from coast_cli.effects.forward import Layout, predict
+from coast_cli.effects.library.backlash import Backlash
+from coast_cli.effects.library.capstan_hysteresis import CapstanHysteresis
 from coast_cli.spec.build import build_joint
 from tests.modelled_joint import CONFIG, make_run, recording
 

@@ -7,8 +7,8 @@ import pytest
 
 from coast_cli.diagnosis.joint.build import build_joint_problem
 from coast_cli.diagnosis.joint.problem import with_base
-from coast_cli.effects.backlash import Backlash
-from coast_cli.effects.camera_offset import CameraOffset
+from coast_cli.effects.library.backlash import Backlash
+from coast_cli.effects.library.camera_offset import CameraOffset
 from coast_cli.errors import BadInput
 from coast_cli.mechanics.joint import curvature_from_stroke
 from coast_cli.spec.build import build_joint

@@ -5,7 +5,7 @@ import pytest
 
 from coast_cli.diagnosis.fit import fit
 from coast_cli.diagnosis.joint.structure import find_structure
-from coast_cli.effects.backlash import Backlash
+from coast_cli.effects.library.backlash import Backlash
 from tests.modelled_joint import problem_of, recording
 
 NOISE = 0.1

@@ -8,7 +8,7 @@ from typing import Self
 import numpy as np
 
 from coast_cli.effects.effect import Parameter
-from coast_cli.effects.shapes.effect import TUBE, Pieces, Scene, ShapeEffect
+from coast_cli.effects.shape_effect import TUBE, Pieces, Scene, ShapeEffect
 from coast_cli.units import MILLIMETRE
 
 _PLACES = 24

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from coast_cli.effects.effect import Parameter
-from coast_cli.effects.shapes.effect import TUBE, ShapeEffect
+from coast_cli.effects.shape_effect import TUBE, ShapeEffect
 from coast_cli.mechanics.tube import NotchedTube
 from coast_cli.units import MICROMETRE
 

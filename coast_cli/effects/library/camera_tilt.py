@@ -8,7 +8,7 @@ from typing import Self
 import numpy as np
 
 from coast_cli.effects.effect import Parameter
-from coast_cli.effects.shapes.effect import ShapeEffect
+from coast_cli.effects.shape_effect import ShapeEffect
 from coast_cli.mechanics.section import FloatArray
 
 
