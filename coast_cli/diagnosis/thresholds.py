@@ -156,7 +156,6 @@ MOST_KEPT_BACK = Threshold(0.6, "of a run", "that is kept back after its first c
 
 FEWEST_RUNS_TO_DIFFER = Threshold(3, "runs", "that are fitted, from which on one can be told from the rest", _REASON)
 FROZEN_SHARE = Threshold(0.05, "of all rows", "that repeat the frame before them, from which on it is said", _REASON)
-FROZEN_BURST = Threshold(3.0, "rows", "that a burst of frozen frames repeats on average, at least", _REASON)
 FEWEST_RUNS_TO_SPARE = Threshold(4, "runs", "left, from which on one of them chooses among hypotheses", _REASON)
 MOST_UNSEEN_NOISE = Threshold(
     1.5, "noise widths", "beyond the noise and the fit's doubt that unseen rows may lie", _REASON

@@ -30,6 +30,9 @@ CHANCE_OF_A_REPEAT = 0.05  # above it rounding makes neighbours equal often enou
 MORE_THAN_CHANCE = 3.0
 FEWEST_REPEATS = 3
 LIKE_OTHERS, MOSTLY = 0.3, 0.6  # of the usual step; of the repeats
+NOISY = 0.02  # of the usual step: the noise of a camera; a simulation without noise repeats itself where it rests
+STEPS_AROUND = 10  # of those nearest to a burst: what one frame moves by there
+MADE_UP = 0.6  # of what was missed in a burst: the jump after it
 CATCH_UP = 2.5  # usual steps: what a frame that stood makes up for when it moves again
 FEWEST_CLIPPED = 5
 CLIPPED_OF_STEP = 4.0  # of the drive's travel on the last level, to that on the steps below it
@@ -82,14 +85,25 @@ def frozen_rows(response: Floats, drive: Floats | None = None) -> Booleans:
     moved = rows[~same & np.isfinite(rows).all(axis=1)]
     by_chance = 1.0
     for column in moved.T:
-        noise, step = difference_noise(column), quantum_of(column)
+        noise, step = difference_noise(column), quantum_of(column) or _step_of_two(column)
         is_fine = noise > max(step, 1e-9 * float(np.ptp(column)))
         by_chance *= 0.5 * step / (np.sqrt(np.pi) * noise) if is_fine else 1.0
-    if by_chance < CHANCE_OF_A_REPEAT and _goes_on(rows, same):
+    if by_chance < CHANCE_OF_A_REPEAT and (_is_noisy(moved) or _goes_on(rows, same)):
         return same if count > MORE_THAN_CHANCE * (by_chance * len(rows) + 1.0) else frozen
     if drive is not None:
         same[1:] &= np.diff(drive) != 0.0
     return _made_up_for(rows, same)
+
+
+def _step_of_two(values: Floats) -> float:
+    """Return the step between two levels, where there are no more."""
+    levels = np.unique(values)
+    return float(np.ptp(levels)) if len(levels) < 3 else 0.0
+
+
+def _is_noisy(moved: Floats) -> bool:
+    """Whether every frame that moved has noise of its own, so that none repeats another by itself."""
+    return all(difference_noise(column) > NOISY * float(np.median(np.abs(np.diff(column)))) for column in moved.T)
 
 
 def _goes_on(rows: Floats, same: Booleans) -> bool:
@@ -102,21 +116,40 @@ def _goes_on(rows: Floats, same: Booleans) -> bool:
     return bool((after > LIKE_OTHERS * np.median(usual)).mean() > MOSTLY)
 
 
+def repeating_rows(run: JointRun) -> Booleans:
+    """Return every row that shows what the row before it shows, be it by rounding, [n]."""
+    return np.append(False, (run.response[1:] == run.response[:-1]).all(axis=1))
+
+
+def copied_rows(run: JointRun) -> Booleans:
+    """Return which rows repeat the row before in everything, clock and drive too, [n].
+
+    A clock goes on, whatever a camera shows; without one only what cannot repeat by chance is a copy.
+    """
+    shown_again = frozen_rows(run.response, run.drive) if run.time is None else repeating_rows(run)
+    others = [one for one in (run.time, run.drive, run.tension) if one is not None]
+    return np.asarray(shown_again & np.append(False, np.all([np.diff(one) == 0.0 for one in others], axis=0)))
+
+
 def _made_up_for(rows: Floats, same: Booleans) -> Booleans:
-    """Return which repeats end in a jump that steps elsewhere do not make."""
+    """Return which repeats end in a jump that makes up for as many steps as were missed, or that no step elsewhere is like."""
     frozen = np.zeros(len(rows), dtype=bool)
     step = np.abs(np.diff(rows, axis=0)).max(axis=1)
-    usual = step[~same[1:] & ~same[:-1] & np.isfinite(step)]
-    if len(usual) < 8:
+    moved = np.flatnonzero(~same[1:] & ~same[:-1] & np.isfinite(step))
+    if len(moved) < 8:
         return frozen
-    limit = CATCH_UP * float(np.quantile(usual, 0.9))
+    limit = CATCH_UP * float(np.quantile(step[moved], 0.9))
     edges = np.flatnonzero(np.diff(np.concatenate(([0], same.astype(np.int8), [0]))))
-    jumps = [
-        (start, stop)
-        for start, stop in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
-        if stop < len(rows) and step[stop - 1] > limit
-    ]
-    if len(jumps) >= FEWEST_REPEATS:
+    jumps = []
+    for start, stop in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
+        if stop == len(rows):
+            continue
+        around = step[moved[np.argsort(np.abs(moved - start), kind="stable")[:STEPS_AROUND]]]
+        missed = MADE_UP * (stop - start + 1) * float(np.median(around))
+        is_long = stop - start >= FEWEST_REPEATS and missed > float(np.quantile(around, 0.9))
+        if step[stop - 1] > (min(limit, missed) if is_long else limit):
+            jumps.append((start, stop))
+    if sum(stop - start for start, stop in jumps) >= 2 * FEWEST_REPEATS:
         for start, stop in jumps:
             frozen[start:stop] = True
     return frozen
@@ -194,8 +227,7 @@ def faults_of(run: JointRun) -> Faults:
     from coast_cli.recordings.swing import swing_of
 
     repeated = frozen_rows(run.response, run.drive)
-    others = [one for one in (run.time, run.drive, run.tension) if one is not None]
-    duplicated = repeated & np.append(False, np.all([np.diff(one) == 0.0 for one in others], axis=0))
+    duplicated = copied_rows(run)
     clipped: Booleans = np.any([clipped_rows(column, run.drive) for column in run.response.T], axis=0)
     is_still = not run.branches.moves
     return Faults(

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from coast_cli.recordings.branches import Branches, difference_noise, find_branches
-from coast_cli.recordings.faults import clipped_rows, frozen_rows, quantum_of
+from coast_cli.recordings.faults import clipped_rows, copied_rows, frozen_rows, quantum_of
 from coast_cli.recordings.noise_likelihood import Block, Posterior, noise_posterior
 from coast_cli.recordings.outliers import find_outliers
 
@@ -153,7 +153,11 @@ def _as_known(estimate: NoiseEstimate, known: float | None) -> NoiseEstimate:
 def _run_series(run: JointRun) -> list[Series]:
     if len(run) > LONGEST:
         run = run.beginning(LONGEST)
-    return [Series(column, run.branches, run.drive) for column in run.response.T]
+    new = ~copied_rows(run)
+    if new.all():
+        return [Series(column, run.branches, run.drive) for column in run.response.T]
+    drive = run.drive[new]  # a copy between two rows would make the drive look uneven
+    return [Series(column, find_branches(drive), drive) for column in run.response[new].T]
 
 
 def pooled_noise(series: Sequence[Series], *, most_samples: int = MOST_SAMPLES) -> NoiseEstimate:

@@ -142,13 +142,15 @@ def further_recording(world: World, request: str, number: int) -> str:
 
 
 def camera(rng: np.random.Generator, world: World, truth: Array, played: Played) -> Array:
-    """Return the response as recorded; noise runs on through a run and starts afresh in the next."""
-    return np.concatenate(
-        [
-            noisy(truth[played.rows.run == run], world.sigma, world.noise, rng, branch_rows(plan))
-            for run, plan in enumerate(world.protocol.runs)
-        ]
-    )
+    """Return the response as recorded; noise runs on through a run and starts afresh in the next.
+
+    A frame that is shown again shows its noise again.
+    """
+    measured = [
+        noisy(truth[played.rows.run == run], world.sigma, world.noise, rng, branch_rows(plan))
+        for run, plan in enumerate(world.protocol.runs)
+    ]
+    return np.concatenate(measured)[played.frames]
 
 
 def branch_rows(plan: RunPlan) -> int:

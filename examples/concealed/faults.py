@@ -19,7 +19,7 @@ def breathing(time: Array, swing: Mapping[str, object]) -> Array:
 
 
 def seen_by_camera(seen: Array, time: Array, effects: Effects, run: int, rng: np.random.Generator) -> Array:
-    """Return the recorded response [row, k] of run number `run`, with the faults of the camera and of this run."""
+    """Return the response [row, k] of run number `run` before noise, with the faults of the camera and of this run."""
     if (odd := effects.get("run_differs_gain")) and odd["run"] == run:
         seen = seen * odd["gain"]
     if (odd := effects.get("run_differs_offset")) and odd["run"] == run:
@@ -29,17 +29,21 @@ def seen_by_camera(seen: Array, time: Array, effects: Effects, run: int, rng: np
     if end := effects.get("camera_saturation"):
         level, width = (1 - end["lost_share"]) * end["full"], end["soft"] * end["full"]
         seen = level - width * np.logaddexp(0.0, (level - seen) / width)
-    if frozen := effects.get("frozen_frames"):
-        seen = seen[frozen_rows(len(seen), frozen, rng)]
-    return seen
+    return seen[shown_frames(len(seen), effects, rng)]
+
+
+def shown_frames(rows: int, effects: Effects, rng: np.random.Generator) -> NDArray[np.intp]:
+    """Return the number of the frame that each row of a run shows."""
+    frozen = effects.get("frozen_frames")
+    return np.arange(rows) if frozen is None else frozen_rows(rows, frozen, rng)
 
 
 def frozen_rows(rows: int, frozen: Mapping[str, object], rng: np.random.Generator) -> NDArray[np.intp]:
-    """Return which frame each row shows where frames are repeated in bursts."""
+    """Return which frame each row shows where frames are repeated in bursts; what repeats shows the noise of its frame too."""
     take = np.arange(rows)
     count = int(frozen["bursts"])  # type: ignore[call-overload]
     lengths = np.maximum(rng.dirichlet(np.full(count, 4.0)) * frozen["share"] * rows, 2).astype(int)
-    for start, length in zip(rng.integers(0, max(rows - 2, 1), count), lengths, strict=True):
+    for start, length in zip(np.sort(rng.integers(0, max(rows - 2, 1), count)), lengths, strict=True):
         take[start : start + length] = take[start]
     return take
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from examples.concealed.camera import observe
 from examples.concealed.design import Joint, Robot
-from examples.concealed.faults import load_cell, seen_by_camera
+from examples.concealed.faults import load_cell, seen_by_camera, shown_frames
 from examples.concealed.mechanism import Effects, simulate
 from examples.concealed.protocol import Protocol, RunPlan
 from examples.concealed.refit import Rows
@@ -36,12 +36,13 @@ class World:
 
 @dataclass(frozen=True)
 class Played:
-    """Noiseless rows of all runs."""
+    """Noiseless rows of all runs; `frames` is the row, of all, whose frame each row shows."""
 
     rows: Rows
     time: Array
     tension: Array
     response: Array
+    frames: NDArray[np.intp]
 
 
 def drive_range(joint: Joint, plan: RunPlan, curvature: float, protocol: Protocol, slack: float) -> tuple[float, float]:
@@ -67,7 +68,8 @@ def play_protocol(
 
     The drive spans what `driven_for` (the robot itself by default) needs for `curvature`.
     """
-    joints, index, drives, lengths, times, tensions, responses = [], [], [], [], [], [], []
+    joints, index, drives, lengths, times, tensions, responses, frames = [], [], [], [], [], [], [], []
+    first = 0
     for number, plan in enumerate(protocol.runs):
         rng = np.random.default_rng([*seed, number])
         joint = actual.pair(plan.outer, plan.middle)
@@ -93,8 +95,7 @@ def play_protocol(
             )
             along = np.linspace(0, 1, plan.recorded.size)
             response, tension = response[plan.recorded], load_cell(trace.tension[plan.recorded], effects, along)
-            frames = np.random.default_rng([*seed, 2000 + number])
-            response = seen_by_camera(response, plan.time[plan.recorded], effects, number, frames)
+            response = seen_by_camera(response, plan.time[plan.recorded], effects, number, _camera_rng(seed, number))
         else:
             response, tension = clean_response(joint, plan, drive[plan.recorded], protocol.response)
         joints.append(joint)
@@ -104,10 +105,17 @@ def play_protocol(
         times.append(plan.time[plan.recorded])
         tensions.append(tension)
         responses.append(response)
+        frames.append(first + shown_frames(plan.recorded.size, effects, _camera_rng(seed, number)))
+        first += plan.recorded.size
     rows = Rows(
         tuple(joints), np.concatenate(index), np.concatenate(drives), np.concatenate(lengths), protocol.response
     )
-    return Played(rows, np.concatenate(times), np.concatenate(tensions), np.concatenate(responses))
+    played = (np.concatenate(parts) for parts in (times, tensions, responses))
+    return Played(rows, *played, np.concatenate(frames))
+
+
+def _camera_rng(seed: Sequence[int], number: int) -> np.random.Generator:
+    return np.random.default_rng([*seed, 2000 + number])
 
 
 def clean_response(joint: Joint, plan: RunPlan, drive: Array, kind: str) -> tuple[Array, Array]:

@@ -48,7 +48,7 @@ def build_joint_problem(
         without: ids of effects that are neither named nor rivals. noise: of the response, SI, where it is known.
     """
     from coast_cli.effects.catalogue import build_effects
-    from coast_cli.recordings.faults import faults_of
+    from coast_cli.recordings.faults import faults_of, repeating_rows
     from coast_cli.spec.build import build_joint
 
     joints = {run.pair: build_joint(config, run.outer, run.middle) for run in runs}
@@ -61,7 +61,8 @@ def build_joint_problem(
     faults = tuple(faults_of(run) for run in runs)
     stale = [one.frozen | one.duplicated for one in faults]
     if sum(int(rows.sum()) for rows in stale) >= FROZEN_SHARE * sum(len(run) for run in runs):
-        usable = [use & ~rows[:, np.newaxis] for use, rows in zip(usable, stale, strict=True)]
+        # Where frames do repeat, rounding hides some of them.
+        usable = [use & ~repeating_rows(run)[:, np.newaxis] for use, run in zip(usable, runs, strict=True)]
     witness = all(run.tension is not None and run.stroke is not None for run in runs)
     if witness:
         columns = [required(run.tension)[:, np.newaxis] for run in runs]

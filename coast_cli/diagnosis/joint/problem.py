@@ -19,7 +19,6 @@ from coast_cli.diagnosis.thresholds import (
     DIFFERENCES_MARGIN,
     FEWEST_RUNS_TO_DIFFER,
     FLOOR_DOUBT,
-    FROZEN_BURST,
     ONE_SAMPLE_SHARE,
     SLOW_NOISE,
     SMALLEST,
@@ -170,11 +169,7 @@ class JointProblem:
 
     @property
     def frozen_fraction(self) -> float:
-        """The fraction of rows that repeat the frame before them in bursts; rounding makes neighbours equal one by one."""
-        edges = [np.diff(np.append(False, one.frozen).astype(np.int8)) for one in self.faults]
-        bursts = sum(int(np.sum(edge > 0)) for edge in edges)
-        if sum(int(one.frozen.sum()) for one in self.faults) < FROZEN_BURST * bursts:
-            return 0.0
+        """The fraction of rows that repeat the frame before them."""
         return sum(int(one.frozen.sum()) for one in self.faults) / max(sum(len(run) for run in self.runs), 1)
 
     @property

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from coast_cli.recordings.faults import clipped_rows, fault_notes, faults_of, frozen_rows, quantum_of
+from coast_cli.recordings.faults import clipped_rows, copied_rows, fault_notes, faults_of, frozen_rows, quantum_of
 from coast_cli.recordings.model import JointRun
-from coast_cli.recordings.noise import estimate_noise
+from coast_cli.recordings.noise import estimate_noise, recording_noise
 
 
 def sweep(count=400):
@@ -42,6 +42,22 @@ def test_frozen_frames_of_a_rounded_camera_jump():
     found = frozen_rows(values, drive)
     assert not (found & ~held & ~np.append(False, np.diff(values) == 0)).any()
     assert found.sum() > 0.5 * held.sum()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_bursts_of_a_coarse_camera_catch_up(seed):
+    rng = np.random.default_rng(seed)
+    drive, step, level = sweep(rng.integers(80, 300)), rng.uniform(0.1, 0.4), rng.uniform(0.05, 0.3)
+    clean = np.round((8.0 * drive + level * rng.normal(size=len(drive))) / step) * step
+    assert not frozen_rows(clean, drive).any()
+    values = clean.copy()
+    held = np.zeros(len(drive), bool)
+    for start in rng.choice(len(drive) // 12 - 1, 5, replace=False) * 12 + 3:
+        values[start + 1 : start + 8] = values[start]
+        held[start + 1 : start + 8] = True
+    found = frozen_rows(values, drive)
+    assert found[held].mean() > 0.5
+    assert not (found & ~np.append(False, np.diff(values) == 0)).any()
 
 
 def test_what_rests_is_not_frozen():
@@ -123,6 +139,22 @@ def run_of(drive, response, time=None, *, stroke=True):
         rows,
         "curvature" if rows.shape[1] == 1 else "notch",
     )
+
+
+@pytest.mark.parametrize("clock", [True, False])
+@pytest.mark.parametrize("seed", range(3))
+def test_rows_that_stand_twice_do_not_change_the_noise(seed, clock):
+    rng = np.random.default_rng(seed)
+    steps = np.cumsum(rng.uniform(0.3, 1.7, 60))
+    drive = np.concatenate([steps, steps[::-1]])
+    time = np.cumsum(rng.uniform(0.05, 0.15, 120))
+    level = rng.uniform(0.05, 0.5)
+    response = 0.4 * drive + level * rng.normal(size=120)
+    copies = np.sort(np.concatenate([np.arange(120), rng.choice(120, 50, replace=False)]))
+    once = run_of(drive, response, time if clock else None)
+    twice = run_of(drive[copies], response[copies], time[copies] if clock else None)
+    assert copied_rows(twice).sum() == 50
+    assert recording_noise([twice]).level == pytest.approx(recording_noise([once]).level, rel=1e-9)
 
 
 def said(drive, response, time=None):
