@@ -162,6 +162,11 @@ MOST_UNSEEN_NOISE = Threshold(
 )
 UNSEEN_DOUBT = Threshold(1.9, "standard deviations", "of the fit's own doubt that unseen rows are granted", _REASON)
 
+# Shapes as photographs are.
+ENDS_EARLY = Threshold(0.003, "of the tube", "by which a trace must be short for its end not to be the tip", _REASON)
+BEGINS_LATE = Threshold(0.03, "of the tube", "after the clamp at which a trace must begin for it to be said", _REASON)
+ENDS_EARLY_NATS = Threshold(3.0, "nats", "that a trace pays which ends before the tip", _REASON)
+
 ALL: dict[str, Threshold] = {name: value for name, value in list(globals().items()) if isinstance(value, Threshold)}
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from coast_cli.diagnosis.shapes.ends import with_ends_settled
 from coast_cli.diagnosis.shapes.forward import Forward
 from coast_cli.diagnosis.shapes.photograph import photographs, usual_sign
 from coast_cli.diagnosis.shapes.problem import ShapeProblem, TubeParameter
@@ -37,7 +38,7 @@ def build_shape_problem(config: Config, runs: Sequence[ShapeRun], *, without: Se
     natural = {number: usual_sign(design, tube) * tube.natural_curvature for number, tube in tubes.items()}
     seen = {number for photograph in taken for number, _ in photograph.tubes}
     alone = {photograph.tubes[0][0] for photograph in taken if not photograph.is_pair}
-    return ShapeProblem(
+    problem = ShapeProblem(
         forward=Forward(taken, design.gravity),
         calibratable=(
             *_moduli(config, seen),
@@ -54,6 +55,7 @@ def build_shape_problem(config: Config, runs: Sequence[ShapeRun], *, without: Se
         fixed_effects=build_shape_effects(config.corrections),
         concealed=frozenset(without),
     )
+    return with_ends_settled(problem)
 
 
 def _moduli(config: Config, seen: set[int]) -> list[TubeParameter]:

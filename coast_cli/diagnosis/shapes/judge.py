@@ -27,6 +27,7 @@ from coast_cli.diagnosis.judge import (
 from coast_cli.diagnosis.locate import Region
 from coast_cli.diagnosis.shapes.build import build_shape_problem
 from coast_cli.diagnosis.shapes.curves import shape_curves
+from coast_cli.diagnosis.shapes.ends import early_ends
 from coast_cli.diagnosis.shapes.errors import UNIT, expected_of, shape_errors_of
 from coast_cli.diagnosis.shapes.holdout import hold_out_photographs
 from coast_cli.diagnosis.shapes.leftover import find_leftover, points_noise
@@ -220,6 +221,7 @@ class ShapeCase(_Estimated, Case):
         notes.extend(f"{parameter.name} is on its bound" for parameter, bound in touching if bound)
         if any(p.placed.all() for p in self.problem.photographs):
             notes.append("shapes with one point a pitch are taken as the clamp and the middles of the rings")
+        notes.extend(early_ends(self.problem.photographs))
         return (*notes, *spread_note(self.problem, final))
 
 

@@ -1,14 +1,15 @@
 """A recorded shape made ready: which tubes, which way up, and where along the tube each of its points lies.
 
 A point tells where the tube passes, not which of its sections it is: points are placed by their own arc length, and only
-what lies across the model's line counts. Two things are known better: the last point is the tip, and a shape with
-the clamp and one point a pitch has its points on the middles of the rings.
+what lies across the model's line counts. Two things are known better: the last point is the tip, unless the trace ends early
+(``ends``), and a shape with the clamp and one point a pitch has its points on the middles of the rings. A trace may begin
+after the clamp and have gaps: what is not seen is not counted.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -26,11 +27,11 @@ if TYPE_CHECKING:
 _SMOOTH_DEGREE = 8
 _POINTS_A_COEFFICIENT = 3
 _BACKWARD = 6.0  # noise levels
-_WIDEST_GAP = 0.25  # of the tube
-_LENGTHS = (0.75, 1.35)  # recorded over configured
+_WIDEST_GAP = 0.5  # of the tube
+_LENGTHS = (0.5, 1.35)  # recorded, from the clamp to the last point, over configured
 _FEWEST = 3
 _DOUBLED = 0.1  # of the points
-_CLAMP = 0.05  # of the tube
+_LATEST_START = 0.5  # of the tube
 _RING_SPACING = 0.08  # of a pitch
 
 
@@ -60,6 +61,21 @@ class Photograph:
         return min(tube.length for _, tube in self.tubes)
 
     @property
+    def shows_tip(self) -> bool:
+        """Whether the last point is taken for the tip."""
+        return bool(self.placed[-1])
+
+    @property
+    def begins_at(self) -> float:
+        """Arc length of the first point, m."""
+        return float(self.at[0])
+
+    def ending_early(self) -> Photograph:
+        """Return the same where the last point is not the tip: points lie where they were seen, in the camera's scale."""
+        at = np.clip(self.at * (self.recorded_length / self.length), 0.0, self.length)
+        return replace(self, at=at, placed=np.zeros(len(self.run), dtype=bool))
+
+    @property
     def is_pair(self) -> bool:
         """Whether two tubes are assembled."""
         return len(self.tubes) == 2
@@ -69,7 +85,7 @@ def photographs(design: Design, runs: Sequence[ShapeRun]) -> tuple[Photograph, .
     """Return the shapes, checked.
 
     Raises:
-        BadInput: points that are out of order, far from the clamp, of another length, or with x and y swapped.
+        BadInput: points that are out of order, begin beyond the middle of the tube, of another length, or with x and y swapped.
     """
     numbers = {tube.name: place + 1 for place, tube in enumerate((*design.outer, *design.middle))}
     return tuple(_photograph(design, numbers, run) for run in runs)
@@ -107,8 +123,9 @@ def arc_length(x: FloatArray, y: FloatArray) -> FloatArray:
     """Return the arc length from the clamp, at the origin and along +x, to each point, [n] m.
 
     Noise lengthens the chord from point to point; where points are many it is measured along a polynomial through them.
+    Up to the first point the tube is an arc of a circle.
     """
-    chord = max(float(x[0]), 0.0) + np.concatenate(([0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))))
+    chord = _unseen_arc(float(x[0]), float(y[0])) + np.concatenate(([0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))))
     if len(x) < _POINTS_A_COEFFICIENT * _SMOOTH_DEGREE:
         return np.asarray(chord)
     slopes = [np.polynomial.Chebyshev.fit(chord, values, _SMOOTH_DEGREE).deriv() for values in (x, y)]
@@ -117,6 +134,12 @@ def arc_length(x: FloatArray, y: FloatArray) -> FloatArray:
     along = np.concatenate(([0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(fine))))
     length: FloatArray = chord[0] + np.interp(chord, fine, along)
     return length
+
+
+def _unseen_arc(x: float, y: float) -> float:
+    """Return the length of the arc from the origin, along +x there, to a point."""
+    half = float(np.arctan2(y, max(x, 1e-12)))
+    return max(x, 0.0) / float(np.cos(half) * np.sinc(half / np.pi))
 
 
 def _ring_middles(tubes: tuple[tuple[int, NotchedTube], ...], count: int) -> FloatArray | None:
@@ -143,10 +166,11 @@ def _check(run: ShapeRun, length: float) -> None:
     again = np.flatnonzero((np.diff(x) == 0.0) & (np.diff(y) == 0.0)) + 1
     if again.size > _DOUBLED * len(x):
         raise _refusal(run, int(again[0]), f"{again.size} points stand twice, one after the other", "each point once")
-    if np.hypot(x[0], y[0]) > _CLAMP * length:
-        if np.hypot(x[-1], y[-1]) < _CLAMP * length:
+    first, last = float(np.hypot(x[0], y[0])), float(np.hypot(x[-1], y[-1]))
+    if first > _LATEST_START * length:
+        if last < first:
             raise _refusal(run, -1, "the points run from the tip to the clamp", "points ordered from the clamp")
-        raise _refusal(run, 0, "the first point is not at the clamp", "the clamp at the origin, as the first point")
+        raise _refusal(run, 0, "the first point is not at the clamp", "the clamp at the origin, points from there on")
     step = np.hypot(np.diff(x), np.diff(y))
     usual = float(np.median(step))
     backward = _turned_back(x, y, usual)
