@@ -8,12 +8,17 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 from coast_cli.__main__ import main
 
 ROOT = Path(__file__).parents[1]
 REFERENCE = ROOT / "configs" / "tubes.toml"
 
+# The same examples on every machine, however slow it is; `--hypothesis-profile search` looks for others.
+settings.register_profile("same", derandomize=True, deadline=None)
+settings.register_profile("search", max_examples=2000, deadline=None)
+settings.load_profile("same")
 os.environ.pop("COLUMNS", None)  # what tests compare is as wide as it comes, whatever the terminal that started them
 
 
@@ -24,6 +29,12 @@ class Ran:
     code: int
     out: str
     err: str
+
+
+@pytest.fixture(autouse=True)
+def _no_line_a_minute(monkeypatch):
+    """A busy machine may take minutes for a command; what it says meanwhile is tested on its own."""
+    monkeypatch.setattr("coast_cli.output.progress._SECONDS", 1e6)
 
 
 @pytest.fixture

@@ -13,6 +13,7 @@ import pytest
 from coast_cli.design import exploration
 from coast_cli.errors import UsageError
 from tests.from_a_shell import popen
+from tests.held import held
 
 SPACE = """
 [explore]
@@ -138,16 +139,13 @@ def test_an_interrupt_keeps_what_is_done_and_a_rerun_resumes(config, tmp_path):
     """Four blocks of 16,384 pairs; the interrupt comes once the first is written."""
     path, note = tmp_path / "pairs.csv", tmp_path / "pairs.csv.part" / "note"
     arguments = (config(SPACE), "--top", "3", "-f", "json", "--all")
-    running = start(*arguments, path)
-    while not note.exists() or blocks(note) == 0:
-        assert running.poll() is None, running.communicate()
-        time.sleep(0.02)
-    running.send_signal(signal.SIGINT)
-    _, said = running.communicate()
+    with held(tmp_path, "explore", *arguments, path) as running:
+        running.send_signal(signal.SIGINT)
+        _, said = running.communicate()
     assert running.returncode == 130
     assert "the same command goes on from there" in said
     assert "Traceback" not in said
-    assert 1 <= blocks(note) < 4
+    assert blocks(note) == 1
     assert not path.exists()
     resumed = start(*arguments, path).communicate()
     whole = start(*arguments, tmp_path / "whole.csv").communicate()
@@ -255,12 +253,9 @@ def test_a_cluster_gives_the_same_bytes(config, tmp_path, cluster, killed):
     address, crew = cluster
     arguments = (config(SPACE), "--top", "3", "-f", "json", "--all")
     alone = start(*arguments, tmp_path / "alone.csv").communicate()
-    running = start(*arguments, tmp_path / "cluster.csv", "--cluster", address)
-    if killed:
-        while not (tmp_path / "cluster.csv.part").exists():
-            assert running.poll() is None, running.communicate()
-            time.sleep(0.02)
-        crew[1].kill()
+    with held(tmp_path, "explore", *arguments, tmp_path / "cluster.csv", "--cluster", address) as running:
+        if killed:
+            crew[1].kill()
     out, said = running.communicate()
     assert running.returncode == 0, said
     assert out == alone[0]
@@ -271,14 +266,8 @@ def test_a_scheduler_that_goes_away_is_a_sentence_and_loses_nothing(config, tmp_
     address, (scheduler, *_) = cluster
     arguments = (config(SPACE.replace("256", "512")), "--top", "3", "-f", "json", "--all")
     whole = start(*arguments, tmp_path / "whole.csv").communicate()
-    running, note = (
-        start(*arguments, tmp_path / "pairs.csv", "--cluster", address),
-        tmp_path / "pairs.csv.part" / "note",
-    )
-    while not note.exists() or blocks(note) == 0:
-        assert running.poll() is None, running.communicate()
-        time.sleep(0.02)
-    scheduler.kill()
+    with held(tmp_path, "explore", *arguments, tmp_path / "pairs.csv", "--cluster", address) as running:
+        scheduler.kill()
     out, said = running.communicate()
     assert (running.returncode, out) == (4, "")
     assert f"the dask scheduler at {address} is gone" in said

@@ -16,7 +16,7 @@ from tests.from_a_shell import popen
 ROOT = Path(__file__).parents[2]
 RECORDING = ROOT / "examples" / "diagnose" / "recording.csv"
 EXPLORED = ROOT / "examples" / "explore.toml"
-# Ctrl-C after a share of a second of work, however busy the machine is: the clock is the process's own.
+# Ctrl-C after a tenth of a second of work, however busy the machine is: the clock is the process's own.
 INTERRUPTED = """
 import os, signal, sys
 import coast_cli.diagnosis.joint, coast_cli.design.tolerance, coast_cli.design.exploration
@@ -57,7 +57,7 @@ def test_an_interrupt_is_said_and_leaves_no_half_file(tmp_path, reference, words
     out = tmp_path / "out"
     out.mkdir()
     filled = [str(word).format(config=reference, out=out, explored=EXPLORED) for word in words]
-    ran = program("-c", INTERRUPTED, "0.3", *filled, stdout=subprocess.PIPE, cwd=tmp_path)
+    ran = program("-c", INTERRUPTED, "0.1", *filled, stdout=subprocess.PIPE, cwd=tmp_path)
     stdout, stderr = ran.communicate()
     assert (ran.returncode, stdout) == (130, "")
     assert stderr.endswith("coast: interrupted.\n")

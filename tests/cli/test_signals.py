@@ -4,7 +4,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -12,6 +11,7 @@ import pytest
 from coast_cli.design import exploration
 from coast_cli.output import kept
 from coast_cli.output.checkpoint import write_note
+from tests.held import held
 
 ROOT = Path(__file__).parents[2]
 SIGNALS = {signal.SIGINT: "interrupted", signal.SIGTERM: "ended by SIGTERM", signal.SIGHUP: "ended by SIGHUP"}
@@ -168,16 +168,10 @@ def test_an_answer_that_cannot_be_written_loses_no_block(coast, words, tmp_path,
 
 
 def test_an_interrupt_of_several_processes_is_sentences_alone(words, tmp_path):
-    command = [sys.executable, "-m", "coast_cli", *words, "--jobs", "2", "--all", "pairs.csv"]
     config = (tmp_path / "space.toml").read_text(encoding="utf-8").replace("tubes = 16", "tubes = 384")
     (tmp_path / "space.toml").write_text(config, encoding="utf-8")
-    path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
-    running = subprocess.Popen(command, env={**os.environ, "PYTHONPATH": path}, stderr=subprocess.PIPE, text=True)
-    note = tmp_path / "pairs.csv.part" / "note"
-    while not (note.exists() and b'"blocks": 0' not in note.read_bytes()[:300]):
-        assert running.poll() is None
-        time.sleep(0.02)
-    running.send_signal(signal.SIGTERM)
-    said = running.communicate()[1]
+    with held(tmp_path, *words, "--jobs", "2", "--all", "pairs.csv") as running:
+        running.send_signal(signal.SIGTERM)
+        said = running.communicate()[1]
     assert running.returncode == 143
     assert [line.partition(":")[0] for line in said.splitlines()] == ["coast", "coast"]

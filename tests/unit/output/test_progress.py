@@ -2,6 +2,7 @@
 
 import time
 from io import StringIO
+from threading import Event
 
 import pytest
 
@@ -70,11 +71,12 @@ def test_every_command_gives_signs_of_life(coast, reference, monkeypatch):
     from coast_cli.design import rank
 
     monkeypatch.setattr(module, "_SECONDS", 0.01)
-    whole = rank.rank
+    whole, say, said = rank.rank, module.say, Event()
 
     def slow(*words):
-        time.sleep(0.3)
+        assert said.wait(60.0)
         return whole(*words)
 
     monkeypatch.setattr(rank, "rank", slow)
+    monkeypatch.setattr(module, "say", lambda text: (say(text), said.set()))
     assert "coast: rank-pairs: at work for 0 min\n" in coast("rank-pairs", reference).err
