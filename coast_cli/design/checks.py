@@ -8,7 +8,7 @@ import numpy as np
 
 from coast_cli.design.limits import Limit, beside, limits
 from coast_cli.design.loading import acting_on_load, corrected_stroke
-from coast_cli.design.reach import Pulled, Webs, largest_curvature, pulled_at, tendon_limits
+from coast_cli.design.reach import Pulled, Webs, largest_curvature, pulled_at, require_covered, tendon_limits
 from coast_cli.design.snapping import snaps
 from coast_cli.design.stroke import stroke_table
 from coast_cli.errors import BadInput, NotConverged
@@ -105,6 +105,7 @@ def _at_the_point(design: Design, pair: str | None, limit: LimitAtPoint) -> dict
     if design.config.tendon is None:
         raise design.config.refuse(("checks", "max_stroke_mm"), "a stroke needs a [tendon] table")
     joint, lengths = design.joint(pair), [limit.bending_length_mm * MILLIMETRE]
+    require_covered(joint, lengths[0])
     columns, notes = stroke_table(joint, lengths, curvatures=[limit.curvature_per_m], effects=design.effects)
     if columns["stroke_mm"][0] is None:
         raise NotConverged(f"checks.max_stroke_mm: {notes[0]}")
@@ -118,6 +119,7 @@ def _at_the_point(design: Design, pair: str | None, limit: LimitAtPoint) -> dict
 def _reach(design: Design, pair: str | None, checks: Checks, wanted: Reach) -> tuple[FloatArray, str]:
     """Return the bend (degrees) that the joint reaches within its limits, and what stops it there."""
     joint, length = design.joint(pair), wanted.bending_length_mm * MILLIMETRE
+    require_covered(joint, length)
     acting, _ = acting_on_load(design.effects)
 
     def pull(curvature: FloatArray) -> Pulled:

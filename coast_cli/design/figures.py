@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from coast_cli.design.reach import require_covered
 from coast_cli.mechanics.joint import Joint, joints_of, stroke
 from coast_cli.mechanics.pairs import PairTable
 from coast_cli.mechanics.section import FloatArray
@@ -46,6 +47,7 @@ def point_figures(
     Args:
         joint: gives tendon, friction and modulus; its own tubes are not used.
     """
+    require_covered(joint, bending_length)
     columns, pairs = {}, joints_of(joint, outer, middle)
     if joint.tendon is not None:
         solution = stroke(pairs, curvature, bending_length)

@@ -25,7 +25,7 @@ from coast_cli.effects.library.camera_scale import CameraScale
 from coast_cli.effects.library.leadscrew_pitch_error import SCREW_PITCH, LeadscrewPitchError
 from coast_cli.effects.library.sensor_lag import SensorLag
 from coast_cli.effects.memory import waiting_parts
-from coast_cli.effects.stations import Stations
+from coast_cli.effects.stations import Stations, require_one_shape
 from coast_cli.errors import BadInput, UsageError
 from coast_cli.mechanics.joint import Joint, Tendon
 from coast_cli.units import MILLIMETRE
@@ -97,6 +97,7 @@ class JointState:
         if joint.tendon is None:
             raise BadInput("a joint is stepped by its stroke, and there is no [tendon] table")
         low, high = self._range = _range(joint, bending_lengths)
+        require_one_shape(joint, low, high)
         self._drives = [effect for effect in ordered if isinstance(effect, _DRIVES)]
         self._cameras = [effect for effect in ordered if isinstance(effect, _CAMERAS)]
         offset = sum(e.offset_mm * MILLIMETRE for e in self._drives if isinstance(e, BendingLengthOffset))

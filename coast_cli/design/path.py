@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,7 @@ from coast_cli.spec.config import Checks
 from coast_cli.units import DEGREE, MILLIMETRE
 
 LARGEST_BEND = 145.0 * DEGREE  # a branch that turns back by more is out of the robot's purpose
+_ENDS = 1e-6
 _AGREES, _NEAR = 0.01, 0.05  # relative, and 1/m: of the prediction with the curvature asked for
 
 
@@ -75,7 +77,7 @@ def plan_path(
         checks: whose stroke and tendon strain are limits at every row.
     """
     tubes = [tube for tube in (joint.outer, joint.middle) if tube is not None]
-    longest = min(tube.length for tube in tubes)
+    longest = min(*(tube.length for tube in tubes), inf if joint.outer_cover is None else joint.outer_cover)
     body, far = follow_path(path, longest, within, extends=joint.outer is not None)
     way = ["in"] * feed.size + (["out"] * (feed.size - 1) if back else [])
     feed = np.concatenate((feed, feed[-2::-1])) if back else feed
@@ -191,6 +193,9 @@ def _notes(
             f"web strain reaches {100.0 * strain:.3g} %: above {100.0 * PLATEAU_STRAIN:g} % nitinol softens, "
             "which the model leaves out."
         )
+    if joint.outer_cover is not None and joint.outer_cover <= body.bend * (1.0 + _ENDS):
+        cover = joint.outer_cover / MILLIMETRE
+        notes.append(f"the bend ends at {cover:g} mm (joint.outer_cover_mm): a longer one would be uneven.")
     beyond = float(body.beyond(np.array([path.length]))[0])
     if joint.outer is not None and beyond > 0.0 and joint.outer.natural_curvature:
         natural = abs(joint.outer.natural_curvature)

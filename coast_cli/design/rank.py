@@ -95,7 +95,7 @@ def rank(config: Config, options: RankOptions | None = None) -> Ranking:
     changed = [_scores(pairs, (options.rigidity, options.weights, units * f), possible) for f in _changes()]
     margins = _margins(*(table[order] for table in (scores[options.rigidity], *changed)))
     columns = _columns(design, pairs, reasons, (scores[options.rigidity], margins), options.rigidity, order)
-    columns |= _snap_columns(snaps(design), possible, order)
+    columns |= _snap_columns(None if _uneven(design) else snaps(design), possible, order)
     return Ranking(columns, _notes(design, options.rigidity, scores, columns, references))
 
 
@@ -264,6 +264,11 @@ def _snap_columns(found: Snaps | None, possible: NDArray[np.bool_], order: NDArr
     return {name: shown(values) for name, values in zip(names, columns, strict=True)}
 
 
+def _uneven(design: Design) -> bool:
+    """Return whether the middle tube may bend alone, of which jumps are not forecast."""
+    return design.config.joint is not None and design.config.joint.outer_cover_mm is not None
+
+
 def _notes(
     design: Design,
     rigidity: Rigidity,
@@ -274,6 +279,8 @@ def _notes(
     words = ", ".join(f"{one.name} {one.words} ({one.source})" for one in references)
     origin = design.config.rank.source if design.config.rank is not None else None
     notes = [*design.notes, *design.uncorrected, f"measured in: {words}{f'; {origin}' if origin else ''}."]
+    if _uneven(design):
+        notes.append("jumps are not forecast, as joint.outer_cover_mm lets the middle tube bend alone.")
     if not np.isfinite(scores[rigidity]).any():
         return (*notes, "no pair can be assembled.")
     if columns["margin"][0] is not None:

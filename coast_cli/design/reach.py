@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from coast_cli.errors import BadInput
 from coast_cli.mechanics.bending_law import Softening
-from coast_cli.mechanics.joint import DrivenSegment, Joint, stroke, tension
+from coast_cli.mechanics.joint import DrivenSegment, Joint, segment_parts, stroke, tension
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.spec.config import Checks
 from coast_cli.units import MILLIMETRE
@@ -46,6 +48,29 @@ class Webs(NamedTuple):
         tubes = [tube for tube in (joint.outer, joint.middle) if tube is not None]
         largest = max(float(tube.strain_per_curvature.max()) for tube in tubes)
         return cls(largest, joint.closure_curvature, joint.softening)
+
+
+def bent_webs(joint: Joint, curvature: FloatArray, bending_length: FloatArray) -> list[tuple[Webs, FloatArray]]:
+    """Return the webs of each part of a segment with its curvature (1/m) at mean curvatures and lengths (m)."""
+    tubes = (joint, replace(joint, outer=None, outer_cover=None))
+    found = zip(tubes, segment_parts(joint, curvature, bending_length), strict=False)
+    return [(Webs.of(one), np.where(part.share > 0.0, part.curvature, 0.0)) for one, part in found]
+
+
+def require_covered(joint: Joint, bending_length: float) -> None:
+    """Refuse a bending length (m) over which the segment bends unevenly, where limits are held at one curvature.
+
+    Raises:
+        BadInput: the outer tube ends on the way.
+    """
+    if joint.outer_cover is not None and bending_length > joint.outer_cover:
+        raise BadInput(
+            "limits and forecasts are of segments that bend evenly",
+            key="joint.outer_cover_mm",
+            found=f"{joint.outer_cover / MILLIMETRE:g}, and a bending length of {bending_length / MILLIMETRE:g} mm",
+            allowed="a bending length up to it, or no outer_cover_mm",
+            hint="`coast stroke` answers for uneven segments.",
+        )
 
 
 def softens(joint: Joint, acting: Iterable[str]) -> bool:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coast_cli.design.limits import some_joint
+from coast_cli.design.reach import require_covered
 from coast_cli.errors import NotConverged
 from coast_cli.mechanics.beam import NO_EQUILIBRIUM
 from coast_cli.mechanics.joint import friction_gain
@@ -104,6 +105,7 @@ def _snaps(design: Design, length: float, largest: float) -> Snaps:
     tendon = joint.tendon
     if tendon is None:
         raise design.config.refuse((), "a forecast of jumps needs a [tendon] table")
+    require_covered(joint, length)
     own = [replace(joint, middle=tube) for tube in design.middle]
     rest, outer, middle = _sections(design, length, joint.youngs_modulus)
     gain, arm = (

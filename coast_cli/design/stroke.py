@@ -10,11 +10,11 @@ import numpy as np
 from coast_cli.design.bands import WIDTH_90, Alternative
 from coast_cli.design.loading import acting_on_load, corrected_stroke
 from coast_cli.design.memory import STROKE_ROW, require_memory
-from coast_cli.design.reach import PLATEAU_STRAIN, Pulled, Webs, softens, tendon_limits, web_limits
+from coast_cli.design.reach import PLATEAU_STRAIN, Pulled, bent_webs, softens, tendon_limits, web_limits
 from coast_cli.design.released import released_stroke
 from coast_cli.effects.effect import Effect
 from coast_cli.errors import NotConverged, UsageError
-from coast_cli.mechanics.joint import Joint, StrokeSolution, curvature_from_stroke, stroke, tension, tip
+from coast_cli.mechanics.joint import Joint, StrokeSolution, curvature_from_stroke, segment_tip, stroke, tension
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.mechanics.verdict import Verdict
 from coast_cli.spec.config import Checks
@@ -68,7 +68,7 @@ def stroke_table(
         raise UsageError("branch release: strokes are inverted on the loading branch only; give curvatures.")
     way: Way = "inverse" if strokes else "release" if release else "load"
     solution = _solve(joint, acting, length, drive, way)
-    tip_x, tip_y = tip(solution.curvature, length)
+    tip_x, tip_y = segment_tip(joint, solution.curvature, length)
     known = joint.tendon is not None
     columns: dict[str, Any] = {
         "outer": [joint.outer.name if joint.outer else None] * length.size,
@@ -178,16 +178,15 @@ def _passed(
     joint: Joint, solution: StrokeSolution, length: FloatArray, checks: Checks | None, acting: Collection[str]
 ) -> tuple[str, ...]:
     """Return a note for each known limit that a row passes, with the least bend that does."""
-    webs, bend = Webs.of(joint), solution.curvature * length
+    bend = solution.curvature * length
     unknown = np.full_like(bend, np.nan)
     pulled = Pulled(solution.stroke, solution.tendon_strain, solution.tension)
     if joint.tendon is None:
         pulled = Pulled(unknown, unknown, solution.tension)
-    strain = webs.strain(solution.curvature)
-    passed = [
-        *web_limits(solution.curvature, webs, checks, closes="notch_closure" in acting),
-        *tendon_limits(pulled, checks),
-    ]
+    bent, closes = bent_webs(joint, solution.curvature, length), "notch_closure" in acting
+    passed = [one for webs, curvature in bent for one in web_limits(curvature, webs, checks, closes=closes)]
+    passed += tendon_limits(pulled, checks)
+    strain = np.max([webs.strain(curvature) for webs, curvature in bent], axis=0)
     if not softens(joint, acting):
         words = f"web strain {float(strain.max()):.3g} above {PLATEAU_STRAIN:g}: nitinol softens, which the model leaves out"
         passed.append((strain > PLATEAU_STRAIN, words))

@@ -16,7 +16,7 @@ import numpy as np
 from coast_cli.effects.catalogue import in_order
 from coast_cli.effects.effect import Effect, History, Motion
 from coast_cli.effects.memory import follow, waiting_parts
-from coast_cli.effects.stations import Stations, branch, stations_for
+from coast_cli.effects.stations import Stations, branch, require_one_shape, stations_for
 from coast_cli.mechanics.joint import Joint
 from coast_cli.mechanics.section import FloatArray
 
@@ -195,7 +195,7 @@ def _with_memory(
     slack, taken = np.zeros_like(history.drive), np.zeros_like(history.drive)
     for sweep in range(_SLACK_SWEEPS):
         curvature = _state(low, high, stations, effects)
-        rigidity, arm = float(np.mean(stations.segment.rigidity)), float(np.mean(stations.lever_arm))
+        rigidity, arm = stations.rigidity, float(np.mean(stations.lever_arm))
         for effect in effects:
             curvature = effect.settle(curvature, history, joint, rigidity, arm)
         if driven:
@@ -221,7 +221,7 @@ def _tension_per_curvature(joint: Joint, history: History, stations: Stations) -
     gain = np.exp(
         joint.pulley_friction * joint.wrap_angle + history.bending_length / joint.pitch * np.log(joint.notch_friction)
     )
-    return np.asarray(gain * float(np.mean(stations.segment.rigidity)) / float(np.mean(stations.lever_arm)))
+    return np.asarray(gain * stations.rigidity / float(np.mean(stations.lever_arm)))
 
 
 def _state(low: FloatArray, high: FloatArray | None, stations: Stations, effects: Sequence[Effect]) -> FloatArray:
@@ -291,6 +291,7 @@ def _at_lengths(
         drive = drive - joint.deadband
     if len(found) == 1:
         return _look_up(found[0], drive, reverses)
+    require_one_shape(joint, float(distinct[0]), float(distinct[-1]))
     left = np.clip(np.searchsorted(distinct, lengths + 1e-9, side="right") - 1, 0, distinct.size - 2)
     part = np.clip((lengths - distinct[left]) / (distinct[left + 1] - distinct[left]), 0.0, 1.0)
     low = np.zeros((drive.size, found[0].load_curvature.shape[1]))

@@ -18,6 +18,7 @@ from coast_cli.mechanics.bending_law import Softening, softening_of
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.mechanics.tube import NotchedTube
 from coast_cli.mechanics.tubes import Tubes
+from coast_cli.mechanics.uneven import Free, Part, parts
 from coast_cli.mechanics.verdict import Verdict
 
 # Newton steps of the inverse; five are enough from the linear start, the rest is for hard corners.
@@ -49,6 +50,7 @@ class Joint:
         youngs_modulus: of the joint model, Pa; P calibrates it apart from the gravity model's.
         pulley_friction: mu. wrap_angle: alpha, rad. notch_friction: eta, per notch.
         deadband: slack stroke before the tendon pulls, m.
+        outer_cover: how far beyond the inner tube's tip the outer tube covers the middle one, m; None for everywhere.
     """
 
     outer: NotchedTube | None
@@ -59,6 +61,7 @@ class Joint:
     wrap_angle: float = 0.0
     notch_friction: float = 1.0
     deadband: float = 0.0
+    outer_cover: float | None = None
 
     @cached_property
     def second_moment(self) -> float:
@@ -77,6 +80,14 @@ class Joint:
         if self.middle.superelastic is None and (self.outer is None or self.outer.superelastic is None):
             return Softening()
         return softening_of(None if self.outer is None else self.outer.row, self.middle.row, self.youngs_modulus)
+
+    @cached_property
+    def free(self) -> Free | None:
+        """The middle tube beyond the outer tube's end; None where the outer tube covers the whole segment."""
+        if self.outer is None or self.outer_cover is None:
+            return None
+        alone = replace(self, outer=None, outer_cover=None)
+        return Free(self.outer_cover, alone.rigidity, alone.softening)
 
     @property
     def elastic(self) -> Joint:
@@ -144,6 +155,10 @@ class DrivenSegment(Protocol):
         """How superelastic tubes soften past their plateaus."""
 
     @property
+    def free(self) -> Free | None:
+        """The middle tube where it bends alone, or None."""
+
+    @property
     def lever_arm(self) -> Any:  # noqa: ANN401
         """Distance dy of the tendon from the neutral axis, m."""
 
@@ -170,6 +185,11 @@ class Joints:
     cut: FloatArray
     pitch: FloatArray
     softening: Softening
+
+    @property
+    def free(self) -> Free | None:
+        """None: many pairs at once are covered by their outer tubes."""
+        return None
 
 
 def joints_of(joint: Joint, outer: Tubes, middle: Tubes) -> Joints:
@@ -212,8 +232,12 @@ def tendon_shortening(joint: DrivenSegment, curvature: ArrayLike, bending_length
     Nf [cut - 2 (1/kn - dy) sin(kn cut / 2)] with kn = kappa pitch / cut; kappa X2 dy for small bends.
     """
     count = np.asarray(bending_length, dtype=float) / joint.pitch
-    half = np.asarray(curvature, dtype=float) * joint.pitch / 2.0
-    return np.asarray(count * (joint.cut * (1.0 - np.sinc(half / np.pi)) + 2.0 * joint.lever_arm * np.sin(half)))
+    total = np.zeros(())
+    for share, bend, _ in segment_parts(joint, curvature, bending_length):
+        half = bend * joint.pitch / 2.0
+        each = joint.cut * (1.0 - np.sinc(half / np.pi)) + 2.0 * joint.lever_arm * np.sin(half)
+        total = total + share * (count * each)
+    return np.asarray(total)
 
 
 def tension(joint: DrivenSegment, curvature: ArrayLike, bending_length: ArrayLike) -> FloatArray:
@@ -222,7 +246,9 @@ def tension(joint: DrivenSegment, curvature: ArrayLike, bending_length: ArrayLik
     EI kappa is the moment of linear tubes; past the plateau of a superelastic one it is less.
     """
     per_curvature = friction_gain(joint, bending_length) * joint.rigidity / joint.lever_arm
-    return np.asarray(per_curvature * joint.softening.carried(np.asarray(curvature, dtype=float)))
+    return np.asarray(
+        per_curvature * joint.softening.carried(segment_parts(joint, curvature, bending_length)[0].curvature)
+    )
 
 
 def stroke(joint: DrivenSegment, curvature: ArrayLike, bending_length: ArrayLike) -> StrokeSolution:
@@ -251,15 +277,20 @@ def curvature_from_stroke(joint: DrivenSegment, stroke_length: ArrayLike, bendin
     drive, length = np.broadcast_arrays(np.asarray(stroke_length, dtype=float), np.asarray(bending_length, dtype=float))
     wanted = np.maximum(drive - joint.deadband, 0.0)
     stretch = friction_gain(joint, length) * joint.rigidity / joint.lever_arm / tendon.stiffness
-    kappa = wanted / (stretch + length * joint.lever_arm)
+    straight = segment_parts(joint, np.zeros_like(length), length)[0].rate
+    kappa = wanted / (stretch * straight + length * joint.lever_arm)
     count = length / joint.pitch
     steps, error = 0, np.inf
     while steps < _MOST_STEPS:
         steps += 1
-        half = kappa * joint.pitch / 2.0
-        path = count * joint.pitch * (joint.lever_arm * np.cos(half) - joint.cut / 2.0 * _sinc_slope(half))
-        slope = stretch * joint.softening.slope(kappa) + path
-        excess = tendon_shortening(joint, kappa, length) + stretch * joint.softening.carried(kappa) - wanted
+        each = segment_parts(joint, kappa, length)
+        slope = stretch * joint.softening.slope(each[0].curvature) * each[0].rate
+        for share, bend, rate in each:
+            half = bend * joint.pitch / 2.0
+            path = joint.lever_arm * np.cos(half) - joint.cut / 2.0 * _sinc_slope(half)
+            slope = slope + share * rate * (count * joint.pitch * path)
+        carried = joint.softening.carried(each[0].curvature)
+        excess = tendon_shortening(joint, kappa, length) + stretch * carried - wanted
         change = excess / slope
         kappa = np.maximum(kappa - change, 0.0)
         error = float(np.max(np.abs(change) / (1.0 + kappa), initial=0.0))
@@ -279,6 +310,27 @@ def tip(curvature: ArrayLike, bending_length: ArrayLike) -> tuple[FloatArray, Fl
     along = length * np.sinc(bend / np.pi)
     across = length * np.sinc(bend / (2.0 * np.pi)) * np.sin(bend / 2.0)
     return np.asarray(along), np.asarray(across)
+
+
+def segment_tip(joint: DrivenSegment, curvature: ArrayLike, bending_length: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    """Return the tip (x, y) of a joint at a mean curvature, m: one arc, or two where the outer tube ends on the way."""
+    length = np.asarray(bending_length, dtype=float)
+    x, y, angle = np.zeros(()), np.zeros(()), np.zeros(())
+    for share, bend, _ in segment_parts(joint, curvature, length):
+        along, across = tip(bend, share * length)
+        x = x + np.cos(angle) * along - np.sin(angle) * across
+        y = y + np.sin(angle) * along + np.cos(angle) * across
+        angle = angle + bend * share * length
+    return np.asarray(x), np.asarray(y)
+
+
+def segment_parts(joint: DrivenSegment, curvature: ArrayLike, bending_length: ArrayLike) -> tuple[Part, ...]:
+    """Return the parts of a segment of a mean curvature (1/m) from clamp to tip; one where it bends evenly."""
+    kappa = np.asarray(curvature, dtype=float)
+    if joint.free is None:
+        return (Part(1.0, kappa, 1.0),)
+    mean, length = np.broadcast_arrays(kappa, np.asarray(bending_length, dtype=float))
+    return parts(joint.rigidity, joint.softening, joint.free, mean, length)
 
 
 def friction_gain(joint: DrivenSegment, bending_length: ArrayLike) -> FloatArray:

@@ -145,6 +145,7 @@ def build_joint(config: Config, outer: str | None, middle: str) -> Joint:
         wrap_angle=nominal(joint.wrap_angle_rad),
         notch_friction=nominal(joint.notch_friction),
         deadband=nominal(joint.deadband_mm) * MILLIMETRE,
+        outer_cover=None if joint.outer_cover_mm is None else joint.outer_cover_mm * MILLIMETRE,
     )
 
 

@@ -124,6 +124,11 @@ class JointFields(Document):
     deadband_mm: Annotated[float | Calibrated, Within(0.0, 100.0)] = Field(
         0.0, description="stroke spent before the tendon is taut, mm"
     )
+    outer_cover_mm: Length | None = Field(
+        None,
+        description="how far beyond the inner tube's tip the outer tube covers the middle one, mm; further on the middle tube"
+        " bends alone, so that longer bends are uneven (25 in the paper's recordings); default: everywhere",
+    )
     pair: Annotated[str | None, Field(min_length=1), Allowed("'OUTER/MIDDLE', or the name of one tube")] = Field(
         None, description="the pair a command answers for where none is named: 'OUTER/MIDDLE', or one tube"
     )
