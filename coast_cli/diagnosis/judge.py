@@ -154,6 +154,10 @@ class Case(ABC):
         """What is known of a law without a name; None where there is none."""
         return None
 
+    def told_law(self, final: Fit) -> Description | None:
+        """Return all that is said of a law without a name as it is saved; None where there is none."""
+        return self.described
+
     @cached_property
     def rivals(self) -> tuple[Hypothesis, ...]:
         """Sets that explain as much."""
@@ -306,7 +310,7 @@ class Case(ABC):
             model_tubes=self.model_tubes(final),
             model_spread=self.model_spread(final),
             curves=self.curves(final),
-            unnamed=self.described,
+            unnamed=self.told_law(final),
         )
 
 

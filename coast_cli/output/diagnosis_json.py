@@ -12,6 +12,7 @@ from coast_cli.output.diagnosis_words import axis_unit
 if TYPE_CHECKING:
     from coast_cli.diagnosis.answer import Carried, Diagnosis, Level, Named, SideBySide, Value
     from coast_cli.diagnosis.locate import Region
+    from coast_cli.diagnosis.unnamed.forms import Curve
     from coast_cli.diagnosis.unnamed.words import Description
     from coast_cli.output.diagnosis import DiagnosisAnswer
 
@@ -92,12 +93,21 @@ def _unnamed(law: Description) -> dict[str, Any]:
         "parameters": {name: number(value) for name, value in law.parameters.items()},
         "nearest": [{"id": identifier, "left_over": number(left)} for identifier, left in law.nearest],
         "laws": [one.table() for one in law.laws],
-        "curve": {
-            "axis": law.axis,
-            "unit": law.unit,
-            "x": [number(value) for value in law.curve[0]],
-            "y": [number(value) for value in law.curve[1]],
-        },
+        "curve": _curve(law.curves[0]),
+        "curves": [_curve(curve) for curve in law.curves],
+        "dissipated_uj": number(law.energy_uj),
+        "not_held": list(law.open),
+    }
+
+
+def _curve(curve: Curve) -> dict[str, Any]:
+    return {
+        "axis": curve.axis,
+        "unit": curve.unit,
+        "x": [number(value) for value in curve.x],
+        "y": [number(value) for value in curve.y],
+        "low_90": [number(value) for value in curve.low],
+        "high_90": [number(value) for value in curve.high],
     }
 
 

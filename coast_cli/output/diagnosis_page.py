@@ -12,6 +12,7 @@ from coast_cli.output.diagnosis_words import (
     SHARED_COLUMNS,
     carried_over,
     chance,
+    curve_words,
     gained,
     held_out,
     levels,
@@ -146,6 +147,9 @@ def _what(page: _Page, found: Diagnosis) -> None:
     if law is not None:
         page.say(law[0])
         page.say(law[1], indent=2 * _INDENT)
+    for curve in found.unnamed.curves if found.unnamed is not None else ():
+        page.say(f"{curve_words(curve)}:")
+        page.table(curve.names(), curve.rows())
 
 
 def _model(page: _Page, found: Diagnosis) -> None:

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from coast_cli.diagnosis.answer import Diagnosis
     from coast_cli.diagnosis.curves import ShapeCurve
+    from coast_cli.diagnosis.unnamed.forms import Curve
     from coast_cli.output.diagnosis import DiagnosisAnswer
 
     Floats = NDArray[np.float64]
@@ -24,34 +25,63 @@ if TYPE_CHECKING:
 MOST_PANELS = 6
 MOST_NOTCHES = 3
 _MOST_OF_IT = 0.5  # of the excess: a region that holds less does not say where it is
+_LAW_HEIGHT, _LAW_WIDTH = 2.6, 3.6  # inches
 _BASE, _CORRECTED = COLOURS[:2]
 
 
-def plot_diagnosis(answer: DiagnosisAnswer) -> Picture:
-    """Draw some of the runs with their models and what is left, the place of the mismatch marked on each."""
+def plot_diagnosis(answer: DiagnosisAnswer, *, laws: bool = True) -> Picture:
+    """Draw some of the runs with their models and what is left, the place of the mismatch marked on each.
+
+    Args:
+        laws: whether laws without a name are drawn below, each over the range that was seen.
+    """
     found = answer.diagnosis
     shown = _spread(found.curves, MOST_PANELS)
     columns = 2 if len(shown) in (2, 4) else max(min(len(shown), 3), 1)
     rows = max(-(-len(shown) // columns), 1)
     panel = 3.0 if not shown or isinstance(shown[0], JointCurve) else 4.8
+    added = found.unnamed.curves if laws and found.unnamed is not None else ()
+    height = panel * rows if shown else 1.0
 
     def paint(figure: Any) -> None:  # noqa: ANN401
-        for place_, curve in zip(figure.add_gridspec(rows, columns), shown, strict=False):
+        upper_part = figure
+        if added:
+            upper_part, lower_part = figure.subfigures(2, 1, height_ratios=(height, _LAW_HEIGHT))
+            _laws(lower_part, added)
+        for place_, curve in zip(upper_part.add_gridspec(rows, columns), shown, strict=False):
             ratios = (2, 1) if isinstance(curve, JointCurve) else (2, 1, 1)
             inner = place_.subgridspec(len(ratios), 1, height_ratios=ratios)
-            upper = figure.add_subplot(inner[0])
-            lower = figure.add_subplot(inner[1], sharex=upper if isinstance(curve, JointCurve) else None)
+            upper = upper_part.add_subplot(inner[0])
+            lower = upper_part.add_subplot(inner[1], sharex=upper if isinstance(curve, JointCurve) else None)
             if isinstance(curve, JointCurve):
                 _run(curve, found, upper, lower)
             else:
                 _shape(curve, found, upper, lower)
-                _bend(curve, found, figure.add_subplot(inner[2], sharex=lower))
+                _bend(curve, found, upper_part.add_subplot(inner[2], sharex=lower))
             upper.set_title(_title(curve, found))
             lower.set_ylabel("recorded - model" if isinstance(curve, JointCurve) else "distance (mm)")
             if curve is shown[0]:
                 upper.legend()
 
-    return Picture((3.6 * max(columns, 2), panel * rows if shown else 1.0), paint)
+    return Picture((3.6 * max(columns, 2), height + (_LAW_HEIGHT if added else 0.0)), paint)
+
+
+def plot_laws(curves: Sequence[Curve]) -> Picture:
+    """Draw laws without a name over the range that was seen, each with its 90 % band and its equation."""
+    return Picture((_LAW_WIDTH * len(curves), _LAW_HEIGHT), lambda figure: _laws(figure, curves))
+
+
+def _laws(figure: Any, curves: Sequence[Curve]) -> None:  # noqa: ANN401
+    row = figure.subplots(1, len(curves), squeeze=False)[0]
+    for axes, curve in zip(row, curves, strict=True):
+        if curve.low:
+            axes.fill_between(curve.x, curve.low, curve.high, color=_CORRECTED, alpha=0.2, lw=0, label="90 % band")
+        axes.plot(curve.x, curve.y, "-", color=_CORRECTED, label="law without a name")
+        if curve.form is not None:
+            axes.plot(curve.x, curve.form.values, "--", lw=1.0, color="black", label=curve.form.name)
+        axes.axhline(0.0, lw=0.5, color="black", zorder=1)
+        axes.set(xlabel=curve.axis, ylabel=curve.unit, title=f"law {curve.law.number}")
+        axes.legend()
 
 
 def plot_place(answer: DiagnosisAnswer) -> Picture | None:
@@ -182,9 +212,8 @@ def _bend(curve: ShapeCurve, found: Diagnosis, axes: Any) -> None:  # noqa: ANN4
 
 def _models(curve: JointCurve | ShapeCurve, found: Diagnosis) -> list[tuple[Floats, str, str]]:
     models = [(curve.base, _BASE, "base refitted")]
-    return (
-        [*models, (curve.corrected, _CORRECTED, "with effects")] if found.model_effects or found.model_tubes else models
-    )
+    words = "with effects" if found.effects or found.unnamed is None else "with the law"
+    return [*models, (curve.corrected, _CORRECTED, words)] if found.model_effects or found.model_tubes else models
 
 
 def _columns(response: Floats) -> list[int]:

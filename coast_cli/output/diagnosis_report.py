@@ -11,6 +11,7 @@ from coast_cli.output.diagnosis_words import (
     SHARED_COLUMNS,
     carried_over,
     chance,
+    curve_words,
     gained,
     held_out,
     levels,
@@ -31,6 +32,7 @@ from coast_cli.output.html import Column, Row, bullets, figure, footer, page, pa
 
 if TYPE_CHECKING:
     from coast_cli.diagnosis.answer import Diagnosis
+    from coast_cli.diagnosis.unnamed.forms import Curve
     from coast_cli.output.diagnosis import DiagnosisAnswer
 
 
@@ -82,7 +84,17 @@ def _what(found: Diagnosis) -> str:
     law = told(found)
     if law is not None:
         items.append(f"<p>{escape(law[0])}<br>\n<code>{escape(law[1])}</code></p>")
+    if found.unnamed is not None and found.unnamed.curves:
+        items.append(_laws(found.unnamed.curves))
     return "\n".join(items)
+
+
+def _laws(curves: Sequence[Curve]) -> str:
+    from coast_cli.output.diagnosis_plot import plot_laws
+
+    tables = [_table(curve.names(), curve.rows()) for curve in curves]
+    words = f"{curve_words(curves[0])}; broken line: the equation" if curves[0].form else curve_words(curves[0])
+    return "\n".join([figure(plot_laws(curves), words, "png"), *tables])
 
 
 def _model(found: Diagnosis) -> str:
@@ -116,7 +128,7 @@ def _picture(answer: DiagnosisAnswer) -> str:
     from coast_cli.output.diagnosis_plot import plot_diagnosis
 
     words = "Recording, refitted base and corrected model of each run, and what is left; yellow: where the mismatch is"
-    return figure(plot_diagnosis(answer), words, "png")
+    return figure(plot_diagnosis(answer, laws=False), words, "png")
 
 
 def _table(names: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

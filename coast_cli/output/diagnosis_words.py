@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from coast_cli.diagnosis.answer import Carried, Diagnosis, Level, Named, SideBySide, Value
     from coast_cli.diagnosis.locate import Region
+    from coast_cli.diagnosis.unnamed.forms import Curve
 
 HEADLINES = {
     "agrees": "The model agrees with the recording.",
@@ -145,6 +146,12 @@ def told(found: Diagnosis) -> tuple[str, str] | None:
         return None
     beside = "What the names leave: " if found.effects else ""
     return f"{beside}{law.words}", law.equation
+
+
+def curve_words(curve: Curve) -> str:
+    """Return what a law's curve is, for its table or picture."""
+    band = ", with its 90 % band" if curve.low else "; its band is not known"
+    return f"The law over the range seen{band}"
 
 
 def others(found: Diagnosis) -> str:

@@ -19,6 +19,7 @@ from coast_cli.diagnosis.joint.holdout import ONE_RUN
 from coast_cli.diagnosis.joint.openworld import OpenWorld
 from coast_cli.diagnosis.joint.problem import CONFIG_KEYS, JointProblem
 from coast_cli.diagnosis.joint.structure import Structure, find_structure
+from coast_cli.diagnosis.joint.told import display_of, known_of, laws_of, parting
 from coast_cli.diagnosis.joint.unseen import Unseen, foretold, strangers
 from coast_cli.diagnosis.joint.words import (
     SAME_SWEEP_AGAIN,
@@ -116,9 +117,21 @@ class JointCase(Case):
         """What is said of the law that leads or stands beside the names; None where there is none."""
         if self.law is None or self.told is None or len(self.names) == len(self.leading.ids):
             return None
-        run = self.problem.runs[0]
         nearest = () if self.names else self.told.nearest
-        return describe(self.told.alike(self.law), run.kind, nearest, driven_by_tension=run.stroke is None)
+        laws = [laws_of(one.fit.effects) for one in self.told.alike(self.law)]
+        return describe(laws, display_of(self.problem), nearest)
+
+    def told_law(self, final: Fit) -> Description | None:
+        """Return all that is said of the law as it is saved."""
+        if self.described is None or self.law is None or self.told is None:
+            return None
+        nearest = () if self.names else self.told.nearest
+        others = [laws_of(one.fit.effects) for one in self.told.alike(self.law)[1:]]
+        before, after = self.comparison.refitted.held_out, self.comparison.with_effects.held_out
+        level = max(self.in_unit(self.problem.noise_estimate.level), 1e-300)
+        errors = None if before is None or after is None else (before / level, after / level)
+        known = known_of(self.problem, final, errors)
+        return describe([laws_of(final.effects), *others], display_of(self.problem), nearest, known)
 
     def in_widths(self, error: float | None) -> float:
         """Return what an error, in the unit of tables, is beyond the noise, in noise widths."""
@@ -285,7 +298,8 @@ class JointCase(Case):
     def next_recording(self, ruling: Ruling) -> str:
         """Return what would settle what is open, in bench words."""
         if ruling.verdict == "unnamed" and self.law is not None:
-            return self.law.law.decided_by
+            alike = () if self.told is None else self.told.alike(self.law)
+            return parting(self.problem, [one.fit for one in alike]) or self.law.law.decided_by
         if self.rivals and self.described is None:
             from coast_cli.diagnosis.joint.plan import next_recording
 

@@ -7,7 +7,6 @@ it; what a name leaves at its own place is its form, and is told beside it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -27,7 +26,6 @@ from coast_cli.diagnosis.thresholds import (
 )
 from coast_cli.diagnosis.unnamed.screen import Screened, screen_laws
 from coast_cli.diagnosis.unnamed.search import LawFit, Searched, misfit, search_laws
-from coast_cli.effects.effect import Effect
 from coast_cli.effects.grammar import stands_at
 from coast_cli.effects.unnamed import UnnamedLaw
 
@@ -144,18 +142,17 @@ class OpenWorld:
         enough = self.gain(best, leading.fit) > LAW_NATS and self.left_over(leading.fit) > MAX_UNEXPLAINED_NOISE
         return best if enough and self.carries_over(best, leading.fit) else None
 
-    def alike(self, law: LawFit) -> tuple[UnnamedLaw, ...]:
-        """Return the leading law and those that the recording cannot tell from it, the leading one first."""
+    def alike(self, law: LawFit) -> tuple[LawFit, ...]:
+        """Return a law as fitted, and others that the recording cannot tell from it: of one law each, or of two."""
         searched = self.instead if not self.contest.leading.ids or law in self.instead.laws else self.beside
         terms = len(law.fit.effects)
         found = [
-            one.law
+            one
             for one in searched.laws
             if len(one.fit.effects) == terms and one.surprise <= law.surprise + LAW_TIE * self.scale
         ]
-        first = leading_law(law.fit.effects, law.law)
-        kinds = {(one.place, one.variable, one.memory): one for one in reversed([first, *found])}
-        return first, *(one for one in reversed(kinds.values()) if one is not first)
+        kinds = {_kinds(one): one for one in reversed([law, *found])}
+        return law, *(one for one in reversed(kinds.values()) if one is not law)
 
     @cached_property
     def nearest(self) -> tuple[tuple[str, float], ...]:
@@ -165,6 +162,5 @@ class OpenWorld:
         return tuple(sorted(found.items(), key=lambda one: (one[1], one[0]))[:3])
 
 
-def leading_law(effects: Sequence[Effect], law: UnnamedLaw) -> UnnamedLaw:
-    """Return the first law of a model: of two, the one that was found first explains the most."""
-    return next((e for e in effects if isinstance(e, UnnamedLaw) and e.number == 1), law)
+def _kinds(law: LawFit) -> frozenset[tuple[str, str, str]]:
+    return frozenset((e.place, e.variable, e.memory) for e in law.fit.effects if isinstance(e, UnnamedLaw))

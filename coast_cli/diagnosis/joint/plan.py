@@ -156,10 +156,22 @@ def next_recording(
 
 def around(problem: JointProblem) -> list[Protocol]:
     """Return the protocols that could follow a recording: its tubes, its response, its range and rate."""
-    first = problem.runs[0]
+    first, bench = problem.runs[0], bench_of(problem)
     drives = np.concatenate([run.drive for run in problem.runs])
     lengths = np.unique(np.round(np.concatenate([run.bending_length for run in problem.runs]), 6))
-    bench = Bench(
+    low, top = float(drives.min()), float(drives.max())
+    found = candidates(
+        bench, low, top, lengths.tolist(), problem.joints[first.pair].middle.length, usual_rate(problem, top - low)
+    )
+    if first.kind != "notch":
+        return found
+    return [protocol for protocol in found if len({float(run.bending_length[0]) for run in protocol.runs}) == 1]
+
+
+def bench_of(problem: JointProblem) -> Bench:
+    """Return the bench that a recording was made on."""
+    first = problem.runs[0]
+    return Bench(
         first.middle,
         first.outer,
         first.kind,
@@ -167,16 +179,9 @@ def around(problem: JointProblem) -> list[Protocol]:
         first.stroke is not None,
         problem.tension_noise is not None,
     )
-    low, top = float(drives.min()), float(drives.max())
-    found = candidates(
-        bench, low, top, lengths.tolist(), problem.joints[first.pair].middle.length, _rate(problem, top - low)
-    )
-    if first.kind != "notch":
-        return found
-    return [protocol for protocol in found if len({float(run.bending_length[0]) for run in protocol.runs}) == 1]
 
 
-def _rate(problem: JointProblem, span: float) -> float:
+def usual_rate(problem: JointProblem, span: float) -> float:
     """Return the usual speed of the drive (SI per s), or a minute for the whole range where time is not known."""
     speeds = [
         np.abs(np.diff(run.drive))[steps > 0.0] / steps[steps > 0.0]
@@ -307,11 +312,12 @@ def _tangent(problem: JointProblem, coordinates: FloatArray, effects: Sequence[E
         moved[place] += _STEP
         columns.append((_stacked(problem, moved, effects) - origin) / _STEP)
     for index, effect in enumerate(effects):
-        for parameter in effect.parameters:
-            value = getattr(effect, parameter.name)
-            step = _STEP * max(abs(value), 1e-2 * (parameter.high - parameter.low))
-            step = -step if value + step > parameter.high else step
-            changed = (*effects[:index], replace(effect, **{parameter.name: value + step}), *effects[index + 1 :])
+        values = np.array(effect.values())
+        for place, parameter in enumerate(effect.parameters):
+            step = _STEP * max(abs(values[place]), 1e-2 * (parameter.high - parameter.low))
+            step = -step if values[place] + step > parameter.high else step
+            other = effect.with_values(values + step * (np.arange(values.size) == place))
+            changed = (*effects[:index], other, *effects[index + 1 :])
             columns.append((_stacked(problem, coordinates, changed) - origin) / step)
     return np.stack(columns, axis=1) if columns else np.zeros((origin.size, 1))
 

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from coast_cli.diagnosis.joint.problem import JointProblem
 from coast_cli.effects.effect import History
 from coast_cli.effects.unnamed import Memory, Place, UnnamedLaw, Variable, basis, remember, rubbing, variable_of
 from coast_cli.mechanics.section import FloatArray
+
+if TYPE_CHECKING:
+    from coast_cli.diagnosis.joint.problem import JointProblem
 
 # What is looked at to first order, and then set free: plays as fractions of the drive's range, lags of a run's duration.
 PLAYS = (0.02, 0.08, 0.25)

@@ -11,11 +11,11 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from coast_cli.diagnosis.fit import Fit
-from coast_cli.diagnosis.joint.problem import JointProblem
 from coast_cli.diagnosis.noise_model import NOISE_COLOURS
 from coast_cli.diagnosis.unnamed.cells import Cell, Scene, cells_of
 from coast_cli.effects.effect import Effect, History, Segment
@@ -23,6 +23,9 @@ from coast_cli.effects.unnamed import Place
 from coast_cli.mechanics.joint import Joint
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.units import MILLIMETRE
+
+if TYPE_CHECKING:
+    from coast_cli.diagnosis.joint.problem import JointProblem
 
 DRAWS = 200
 # Sizes of a law, in noise widths, over which its prior is spread.

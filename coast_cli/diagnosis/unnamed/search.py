@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from coast_cli.diagnosis.fit import Fit, fit
-from coast_cli.diagnosis.joint.problem import JointProblem
 from coast_cli.diagnosis.unnamed.screen import Candidate, Screened, noise_colour, screen_laws
 from coast_cli.effects.catalogue import in_order
 from coast_cli.effects.unnamed import Memory, Place, UnnamedLaw, Variable
+
+if TYPE_CHECKING:
+    from coast_cli.diagnosis.joint.problem import JointProblem
 
 # Kinds of cells that are refitted in free run, and how far behind the leader's evidence the last of them may be.
 MOST_KINDS = 6

@@ -1,36 +1,39 @@
-"""What is known of a law without a name, in a sentence: only what all laws that the recording cannot tell apart agree on."""
+"""What is known of a law without a name, in a sentence: only what all explanations that the recording cannot tell apart agree on.
+
+An explanation is one law or two side by side. What it adds is said with its numbers (``trend``), then whether it
+remembers and whether speed matters, what it dissipates, and which other explanations and names come near.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-import numpy as np
+from coast_cli.diagnosis.unnamed.forms import Curve, Display, drawn, equation
+from coast_cli.diagnosis.unnamed.trend import added_by, subject
+from coast_cli.effects.unnamed import UnnamedLaw
+from coast_cli.mechanics.section import FloatArray
 
-from coast_cli.diagnosis.unnamed.forms import UNITS, curve_of, symbol, typed
-from coast_cli.effects.unnamed import Place, UnnamedLaw, Variable
-from coast_cli.units import DEGREE
+_MOST_TOLD = 3
 
-_ADDED: Mapping[Place, str] = {
-    "drive": "an added stroke",
-    "tendon": "an added length of the tendon",
-    "transmission": "a changed ratio of tensions along the tendon",
-    "structure": "an added bending moment",
-    "sensor": "an added response of the camera",
-    "load_cell": "an added reading of the load cell",
-}
-_NAMES: Mapping[Variable, str] = {
-    "stroke": "the stroke",
-    "tension": "the tension",
-    "curvature": "the curvature",
-    "bending_length": "the bending length",
-    "position": "the place along the segment",
-    "time": "time",
-    "rate": "the speed of the drive",
-    "path": "the path travelled",
-    "run": "the run",
-}
-_LEVEL = 0.15  # of the curve's largest value, within which it counts as none
+
+@dataclass(frozen=True, slots=True)
+class Known:
+    """What a recording says of the laws that lead, beside their numbers.
+
+    Attributes:
+        covariance: of each law's parameters in declared order, by the law's number. energy: taken in a loop, J.
+        loop: that loop in words. held_out: noise widths that rows not fitted miss, without the laws and with them.
+        memory, rate: whether the recording can show them at all. open: what it cannot hold, a clause each.
+    """
+
+    covariance: Mapping[int, FloatArray] = field(default_factory=dict)
+    energy: float | None = None
+    loop: str = ""
+    held_out: tuple[float, float] | None = None
+    memory: bool = True
+    rate: bool = True
+    open: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,12 +41,14 @@ class Description:
     """What a diagnosis says of a law without a name.
 
     Attributes:
-        stages, variables: of every law that the recording cannot tell from the leading one; the leading one first.
-        memory, rate, dissipative: None where those laws do not agree.
+        stages, variables: of every law of every explanation that the recording cannot tell apart; the leading one first.
+        memory, rate, dissipative: whether any law of an explanation has it; None where explanations do not agree, or
+            where the recording cannot show it.
         equation: of the leading law; a short form where one holds. words: a sentence. parameters: of the leading law.
         nearest: effects of the catalogue by what each leaves, in noise widths, least first.
-        curve: the leading law over the range seen: remembered variable and what is added, in display units.
-        axis, unit: what the curve is drawn over, and what is added, in words with units.
+        curves: of every law of the leading explanation, over the range seen, the leading law first.
+        laws: the leading law first, then the one beside it, then those of the other explanations.
+        energy_uj: that a loop dissipates, where it does. open: what the recording cannot hold, a clause each.
     """
 
     stages: tuple[str, ...]
@@ -55,10 +60,10 @@ class Description:
     words: str
     parameters: Mapping[str, float]
     nearest: tuple[tuple[str, float], ...] = ()
-    curve: tuple[tuple[float, ...], tuple[float, ...]] = ((), ())
-    axis: str = ""
-    unit: str = ""
+    curves: tuple[Curve, ...] = ()
     laws: tuple[UnnamedLaw, ...] = field(default=())
+    energy_uj: float | None = None
+    open: tuple[str, ...] = ()
 
 
 def remembers(law: UnnamedLaw) -> bool:
@@ -76,52 +81,47 @@ def dissipates(law: UnnamedLaw) -> bool:
     return law.kind == "physics" and (law.memory in ("friction", "relaxation") or law.variable == "rate")
 
 
-def unit_of(law: UnnamedLaw, response: str) -> tuple[str, float]:
-    """Return the display unit of what a law adds, and that unit in the law's own."""
-    if law.place == "sensor":
-        return ("1/m", 1.0) if response == "curvature" else ("degrees", DEGREE)
-    units = {
-        "drive": "mm",
-        "tendon": "mm",
-        "transmission": "1",
-        "structure": "1/m of curvature times EI",
-        "load_cell": "N",
-    }
-    return units[law.place], 1.0
-
-
 def describe(
-    laws: Sequence[UnnamedLaw],
-    response: str,
+    explanations: Sequence[Sequence[UnnamedLaw]],
+    display: Display,
     nearest: Sequence[tuple[str, float]] = (),
-    *,
-    driven_by_tension: bool = False,
+    known: Known | None = None,
 ) -> Description:
-    """Return what is known of a law: the leading one, and others that the recording cannot tell from it.
+    """Return what is known of a law: the leading explanation, and others that the recording cannot tell from it.
 
     Args:
-        laws: the leading one first. response: kind of response of the recording. nearest: ids and noise widths left.
-        driven_by_tension: whether the drive is a tension, in which a law of the drive is then added.
+        explanations: laws side by side, the leading explanation first and in it the leading law.
+        display: units of the recording. nearest: ids and noise widths left. known: what the recording says besides.
     """
-    leading = laws[0]
-    unit, size = ("N", 1.0) if leading.place == "drive" and driven_by_tension else unit_of(leading, response)
-    form = typed(leading, size)
-    along, values = curve_of(leading)
-    scale = UNITS[leading.variable][2]
+    known = known or Known()
+    leading = explanations[0]
+    laws = tuple(law for laws in explanations for law in laws)
+    curves = tuple(drawn(law, display, known.covariance.get(law.number)) for law in leading)
+    takes = None if known.energy is None or known.energy <= 0.0 else known.energy
+    memory = _agreed([any(remembers(law) for law in laws) for laws in explanations]) if known.memory else None
+    rate = _agreed([any(depends_on_rate(law) for law in laws) for laws in explanations]) if known.rate else None
+    told = [", together with ".join(added_by(law, display) for law in laws) for laws in explanations]
+    words = [
+        f"Behaves like {told[0]}{_facts(leading, memory=memory, rate=rate)}{_dissipated(leading, takes, known.loop)}.",
+        _open(known.open),
+        _others([one for one in dict.fromkeys(told[1:]) if one != told[0]]),
+        _names(nearest),
+        _held_out(known.held_out),
+    ]
     return Description(
         stages=tuple(dict.fromkeys(law.place for law in laws)),
         variables=tuple(dict.fromkeys(law.variable for law in laws)),
-        memory=_agreed([remembers(law) for law in laws]),
-        rate=_agreed([depends_on_rate(law) for law in laws]),
-        dissipative=_agreed([dissipates(law) for law in laws]),
-        equation=_equation(leading, unit, None if form is None else form.equation),
-        words=_sentence(laws, nearest),
-        parameters={p.name: value for p, value in zip(leading.parameters, leading.values(), strict=True)},
+        memory=memory,
+        rate=rate,
+        dissipative=_agreed([any(dissipates(law) for law in laws) for laws in explanations]),
+        equation="; ".join(equation(curve) for curve in curves),
+        words=" ".join(word for word in words if word),
+        parameters={p.name: v for p, v in zip(leading[0].parameters, leading[0].values(), strict=True)},
         nearest=tuple(nearest),
-        curve=(tuple((along / scale).tolist()), tuple((values / size).tolist())),
-        axis=f"{symbol(leading)} ({UNITS[leading.variable][1]})",
-        unit=f"{_ADDED[leading.place]} ({unit})",
-        laws=tuple(laws),
+        curves=curves,
+        laws=laws,
+        energy_uj=None if takes is None else 1e6 * takes,
+        open=known.open,
     )
 
 
@@ -129,80 +129,35 @@ def _agreed(answers: Sequence[bool]) -> bool | None:
     return answers[0] if len(set(answers)) == 1 else None
 
 
-def _equation(law: UnnamedLaw, unit: str, form: str | None) -> str:
-    what = {
-        "drive": "X1 -> X1 + g",
-        "tendon": "tendon length -> + g",
-        "transmission": "F -> F e^g",
-        "structure": "M -> M + EI g",
-        "sensor": "response -> response + g",
-        "load_cell": "tension read -> + g",
-    }[law.place]
-    if law.memory == "friction":
-        what = {"structure": "M -> M +- EI g", "transmission": "F -> F e^(+-g)"}.get(
-            law.place, f"play of half width g: {what}"
-        )
-    tail = f", time constant {law.setting:.3g} s" if law.memory == "relaxation" else ""
-    shape = form if form is not None else f"a curve over {symbol(law)}, drawn"
-    return f"{what}, g = {shape} ({unit}){tail}"
-
-
-def _sentence(laws: Sequence[UnnamedLaw], nearest: Sequence[tuple[str, float]]) -> str:
-    leading = laws[0]
-    text = f"Behaves like {_ADDED[leading.place]} {_dependence(leading)}"
+def _facts(leading: Sequence[UnnamedLaw], *, memory: bool | None, rate: bool | None) -> str:
+    who = " or ".join(dict.fromkeys(subject(law) for law in leading if remembers(law) or not memory))
     facts = []
-    memory, rate = _agreed([remembers(law) for law in laws]), _agreed([depends_on_rate(law) for law in laws])
     if memory is not None:
-        facts.append("it remembers" if memory else "it does not remember")
+        facts.append(f"{who} remembers" if memory and who else "it does not remember")
     if rate is not None:
         facts.append("speed matters" if rate else "speed does not matter")
-    if _agreed([dissipates(law) for law in laws]):
-        facts.append("it takes energy in every loop")
-    if facts:
-        text += ": " + ", ".join(facts)
-    text += "."
-    told = f"{_ADDED[leading.place]} {_dependence(leading)}"
-    others = [
-        one for one in dict.fromkeys(f"{_ADDED[law.place]} {_dependence(law)}" for law in laws[1:]) if one != told
-    ]
-    if others:
-        text += f" The recording cannot tell it from {'; '.join(others[:3])}."
-    if nearest:
-        names = ", ".join(
-            f"{identifier.replace('_', ' ')} (leaves {left:.2g} noise widths)" for identifier, left in nearest[:3]
-        )
-        text += f" Nearest names: {names}."
-    return text
+    return f": {', '.join(facts)}" if facts else ""
 
 
-def _dependence(law: UnnamedLaw) -> str:
-    name, (_, unit, scale) = _NAMES[law.variable], UNITS[law.variable]
-    if law.memory == "step":
-        return f"that sets in at {law.setting:.3g} s"
-    if law.memory == "period":
-        return f"that swings with {name}, period {law.setting / scale:.3g} {unit}"
-    if law.memory == "relaxation":
-        return f"that follows {name} late, within about {law.setting:.3g} s"
-    if law.memory == "friction":
-        return f"against the motion, {_trend(law)}"
-    if law.memory == "maximum":
-        return f"by the largest value of {name.removeprefix('the ')} so far"
-    if law.memory == "path":
-        return f"that builds up with the path of {name.removeprefix('the ')}"
-    return f"that {_trend(law)}"
+def _dissipated(leading: Sequence[UnnamedLaw], energy: float | None, loop: str) -> str:
+    if energy is None or not any(dissipates(law) for law in leading):
+        return ""
+    return f"; dissipates {1e6 * energy:.2g} uJ in {loop or 'a loop'}"
 
 
-def _trend(law: UnnamedLaw) -> str:
-    """Return in words how the curve runs over its variable."""
-    along, values = curve_of(law)
-    name, (_, unit, scale) = _NAMES[law.variable], UNITS[law.variable]
-    largest = float(np.max(np.abs(values))) or 1.0
-    if float(np.ptp(values)) < _LEVEL * largest:
-        return "is constant" if law.memory != "friction" else "constant"
-    size = np.abs(values - values[0]) if law.memory != "friction" else np.abs(values)
-    quiet = np.flatnonzero(np.abs(values - values[0]) > _LEVEL * float(np.ptp(values)))
-    begins = float(along[quiet[0]]) / scale if quiet.size else float(along[0]) / scale
-    grows = bool(size[-1] > 0.6 * float(size.max()))
-    verb = ("grows" if size[-1] >= size[0] else "falls") if grows or size[-1] < size[0] else "rises and falls"
-    late = begins > along[0] / scale + 0.3 * float(np.ptp(along)) / scale
-    return f"{verb} with {name}" + (f" beyond {begins:.3g} {unit}" if late else "")
+def _open(clauses: Sequence[str]) -> str:
+    return f"Not held by this recording: {'; '.join(clauses)}." if clauses else ""
+
+
+def _others(told: Sequence[str]) -> str:
+    more = f"; and {len(told) - _MOST_TOLD} more" if len(told) > _MOST_TOLD else ""
+    return f"The recording cannot tell it from {'; or from '.join(told[:_MOST_TOLD])}{more}." if told else ""
+
+
+def _names(nearest: Sequence[tuple[str, float]]) -> str:
+    names = ", ".join(f"{name.replace('_', ' ')} (leaves {left:.2g} noise widths)" for name, left in nearest[:3])
+    return f"Nearest names: {names}." if names else ""
+
+
+def _held_out(widths: tuple[float, float] | None) -> str:
+    return f"Held out: {widths[0]:.1f} to {widths[1]:.1f} times the noise." if widths else ""
