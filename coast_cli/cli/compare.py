@@ -36,6 +36,7 @@ def compare(
 ) -> None:
     """Print the errors of a model on recordings, in curvature and at the tip, run by run and pooled."""
     from coast_cli.diagnosis.compare import compare as errors_of
+    from coast_cli.diagnosis.unnamed.seen import notes_on_range
     from coast_cli.output.answer import Answer
     from coast_cli.output.provenance import provenance
     from coast_cli.output.write import write_answer
@@ -47,7 +48,7 @@ def compare(
     read = read_recordings(recordings, document, columns=mapping_of(columns), pair=pair, bending_length_mm=x2)
     documents = (document,) if model is None else (document, load_config(model))
     comparison = errors_of(documents[-1], read, noise)
-    notes = read.notes
+    notes = (*read.notes, *notes_on_range(documents[-1], read))
     if plot is not None:
         from coast_cli.output.comparison_plot import plot_comparison
 

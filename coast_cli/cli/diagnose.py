@@ -63,6 +63,7 @@ def diagnose(
     """
     from coast_cli.diagnosis.recorded import diagnose as diagnosis_of
     from coast_cli.diagnosis.thresholds import thresholds_digest
+    from coast_cli.diagnosis.unnamed.seen import notes_on_range
     from coast_cli.output.diagnosis import DiagnosisAnswer, Outputs, write_diagnosis
     from coast_cli.output.progress import waiting
     from coast_cli.output.provenance import provenance
@@ -91,8 +92,9 @@ def diagnose(
         **provenance(document, recordings=read.sources, options=options, seed=seed),
         "thresholds_sha256": thresholds_digest(),
     }
-    for note in read.notes:
+    notes = (*read.notes, *notes_on_range(document, read))
+    for note in notes:
         say(f"note: {note}")
-    write_diagnosis(DiagnosisAnswer(found, found.config_used(document), read, origin, read.notes), outputs)
+    write_diagnosis(DiagnosisAnswer(found, found.config_used(document), read, origin, notes), outputs)
     agrees = found.verdict == "agrees" and (found.carried is None or found.carried.shapes.verdict == "agrees")
     return 1 if fail_on_mismatch and not agrees else 0

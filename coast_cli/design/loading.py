@@ -15,6 +15,7 @@ import numpy as np
 from coast_cli.effects.catalogue import in_order
 from coast_cli.effects.effect import Effect, History
 from coast_cli.effects.stations import Stations, branch, stations_for
+from coast_cli.effects.unnamed import UnnamedLaw
 from coast_cli.errors import NotConverged
 from coast_cli.mechanics.joint import Joint, StrokeSolution, curvature_from_stroke
 from coast_cli.mechanics.section import FloatArray
@@ -69,7 +70,12 @@ def acting_on_load(effects: Sequence[Effect]) -> tuple[tuple[Effect, ...], tuple
         notes.append(f"{_ids(camera)}: of the camera, not of the robot, so left out here.")
     if timed:
         notes.append(f"{_ids(timed)}: acts with time, so left out of a slow first pull.")
-    return tuple(effect for effect in effects if effect not in (*camera, *timed)), tuple(notes)
+    dragging = tuple(effect for effect in effects if isinstance(effect, UnnamedLaw) and effect.drags)
+    dragging = tuple(effect for effect in dragging if effect not in timed)
+    if dragging:
+        notes.append(f"{_ids(dragging)}: takes tension by what was before, so left out of a slow first pull.")
+    left_out = (*camera, *timed, *dragging)
+    return tuple(effect for effect in effects if effect not in left_out), tuple(notes)
 
 
 def corrected_stroke(

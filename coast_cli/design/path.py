@@ -19,6 +19,7 @@ from coast_cli.design.follow_leader import Body, deviation, follow_path
 from coast_cli.design.loading import acting_on_load, corrected_stroke
 from coast_cli.design.reach import PLATEAU_STRAIN, Mask, Pulled, Webs, softens, tendon_limits, web_limits
 from coast_cli.effects.effect import Effect
+from coast_cli.effects.seen import outside_at
 from coast_cli.mechanics.joint import Joint, curvature_from_stroke, stroke, tension
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.recordings.planar_path import PlanarPath
@@ -113,7 +114,14 @@ def plan_path(
         "reason": words,
     }
     reached = all(word is None for word in words)
-    notes = (*path.notes, *left_out, *_notes(joint, acting, body, path, far, within, back=back))
+    outside = outside_at(
+        acting,
+        curvature=pulled.curvature,
+        stroke=None if joint.tendon is None else pulled.stroke,
+        tension=pulled.tension,
+        bending_length=pulled.bending_length,
+    )
+    notes = (*path.notes, *left_out, *outside, *_notes(joint, acting, body, path, far, within, back=back))
     return PathPlan(columns, body, path, reached, notes)
 
 

@@ -13,6 +13,7 @@ from coast_cli.design.memory import STROKE_ROW, require_memory
 from coast_cli.design.reach import PLATEAU_STRAIN, Pulled, bent_webs, softens, tendon_limits, web_limits
 from coast_cli.design.released import released_stroke
 from coast_cli.effects.effect import Effect
+from coast_cli.effects.seen import outside_at
 from coast_cli.errors import NotConverged, UsageError
 from coast_cli.mechanics.joint import Joint, StrokeSolution, curvature_from_stroke, segment_tip, stroke, tension
 from coast_cli.mechanics.section import FloatArray
@@ -86,7 +87,14 @@ def stroke_table(
     if min(bending_lengths) < joint.pitch:
         left_out = (*left_out, f"a bending length is below one pitch, {joint.pitch / MILLIMETRE:g} mm: is it in mm?")
     ids = {effect.id for effect in acting}
-    notes = (*left_out, *_notes(joint, solution), *_passed(joint, solution, length, checks, ids))
+    beyond = outside_at(
+        acting,
+        curvature=solution.curvature,
+        stroke=solution.stroke if known else None,
+        tension=solution.tension,
+        bending_length=length,
+    )
+    notes = (*left_out, *beyond, *_notes(joint, solution), *_passed(joint, solution, length, checks, ids))
     return StrokeTable(columns, notes)
 
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from coast_cli.effects.effect import Parameter, Scope
-from coast_cli.effects.unnamed import UnnamedLaw
+from coast_cli.effects.unnamed import DamagedLaw, UnnamedLaw
 from coast_cli.errors import nearest
 
 RecordingKind = Literal["joint", "shapes"]
@@ -53,8 +53,9 @@ def faults(corrections: Mapping[str, Correction]) -> Iterator[Fault]:
         if _UNNAMED.fullmatch(effect):
             try:
                 unnamed_law(effect, values)
-            except ValueError as error:
-                yield Fault((effect,), f"a damaged law without a name: {error}")
+            except DamagedLaw as error:
+                path = (effect, error.key) if error.key in values else (effect,)
+                yield Fault(path, f"a damaged law without a name: {error}")
         elif effect not in known:
             yield Fault((effect,), "there is no such effect", allowed=", ".join(known), hint=nearest(effect, known))
         else:
@@ -82,7 +83,7 @@ def unnamed_law(effect: str, values: Correction) -> UnnamedLaw:
     """Return the law of a table ``unnamed_N``.
 
     Raises:
-        ValueError: the table is damaged; the message says how.
+        DamagedLaw: the table is damaged; the message says how.
     """
     return UnnamedLaw.from_table({k: v for k, v in values.items() if k != "recording"}, int(effect[-1]))
 

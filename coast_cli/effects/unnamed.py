@@ -15,7 +15,7 @@ from typing import Any, Literal, Self, get_args
 
 import numpy as np
 
-from coast_cli.effects.effect import Effect, History, Motion, Parameter, Segment
+from coast_cli.effects.effect import Effect, History, Motion, Need, Parameter, Segment
 from coast_cli.effects.memory import follow, relax
 from coast_cli.mechanics.joint import Joint
 from coast_cli.mechanics.section import FloatArray
@@ -51,9 +51,18 @@ COMPONENTS: Mapping[Place, str] = {
     "load_cell": "load cell",
 }
 _LARGEST = 1e6
+_MOST_WEIGHTS = 64
 _SIGNED_MEMORIES = ("relaxation",)
 # Memories whose setting a fit moves, and by which factor at most.
 _SET_FREE: Mapping[Memory, float] = {"relaxation": 5.0, "period": 1.06}
+
+
+class DamagedLaw(ValueError):
+    """A model file's table that holds no law: ``key`` is what is wrong in it."""
+
+    def __init__(self, key: str, why: str) -> None:
+        super().__init__(f"{key} {why}")
+        self.key = key
 
 
 @dataclass(frozen=True)
@@ -102,6 +111,12 @@ class UnnamedLaw(Effect):
     def stage(self) -> Literal["drive", "tendon", "transmission", "structure", "sensor"]:  # type: ignore[override]
         """The stage in the order of action; a load cell reads last, as a camera does."""
         return "sensor" if self.place == "load_cell" else self.place
+
+    @property
+    def needs(self) -> tuple[Need, ...]:  # type: ignore[override]
+        """A clock, where the law depends on time or speed."""
+        timed = self.variable in ("time", "rate", "run") or self.memory == "relaxation"
+        return ("time",) if timed else ()
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:  # type: ignore[override]
@@ -155,26 +170,46 @@ class UnnamedLaw(Effect):
         """Return the law of a model file's table.
 
         Raises:
-            ValueError: a key is missing or unknown, or a value cannot be; the message says which.
+            DamagedLaw: a key is missing or unknown, or a value cannot be; it says which, and why.
         """
         wanted = {"stage": Place, "variable": Variable, "memory": Memory}
-        names = {*wanted, "setting", "low", "high", "weights"}
-        for name in (*table, *names):
-            if name not in names or name not in table:
-                raise ValueError(f"{name} is {'missing' if name in names else 'no key of a law without a name'}")
+        names = (*wanted, "setting", "low", "high", "weights")
+        for name in table:
+            if name not in names:
+                raise DamagedLaw(name, f"is no key of a law without a name; allowed: {', '.join(names)}")
+        for name in names:
+            if name not in table:
+                raise DamagedLaw(name, "is missing")
         for name, choices in wanted.items():
             if table[name] not in get_args(choices):
-                raise ValueError(f"{name} is {table[name]!r}; allowed: {', '.join(get_args(choices))}")
+                raise DamagedLaw(name, f"is {table[name]!r}; allowed: {', '.join(get_args(choices))}")
+        for name in ("setting", "low", "high"):
+            if not _is_number(table[name]):
+                raise DamagedLaw(name, f"is {table[name]!r}; allowed: a finite number")
         weights = table["weights"]
-        if not isinstance(weights, list | tuple) or not 1 <= len(weights) <= 64:
-            raise ValueError("weights must be a list of 1 to 64 numbers")
-        numbers = [table[name] for name in ("setting", "low", "high")] + list(weights)
-        if not all(isinstance(value, int | float) and math.isfinite(value) for value in numbers):
-            raise ValueError("setting, low, high and weights must be finite numbers")
-        if not table["high"] > table["low"]:
-            raise ValueError("high must be above low")
-        setting, low, high, *rest = map(float, numbers)
-        return cls(table["stage"], table["variable"], table["memory"], setting, low, high, tuple(rest), number=number)
+        if not isinstance(weights, list | tuple) or not 1 <= len(weights) <= _MOST_WEIGHTS:
+            raise DamagedLaw("weights", f"is not a list of 1 to {_MOST_WEIGHTS} numbers")
+        if not all(_is_number(value) and abs(value) <= _LARGEST for value in weights):
+            raise DamagedLaw("weights", f"holds what is no number from {-_LARGEST:g} to {_LARGEST:g}")
+        setting, low, high = (float(table[name]) for name in ("setting", "low", "high"))
+        amplitudes = tuple(float(value) for value in weights)
+        place, variable, memory = (table[name] for name in wanted)
+        law = cls(place, variable, memory, setting, low, high, amplitudes, number=number)
+        law._check()
+        return law
+
+    def _check(self) -> None:
+        """Refuse what each key allows and all together do not."""
+        if not self.high > self.low:
+            raise DamagedLaw("high", f"is {self.high:g}; allowed: above low, {self.low:g}")
+        if self.memory in _SET_FREE and not self.setting > 0.0:
+            raise DamagedLaw("setting", f"is {self.setting:g}; allowed with memory {self.memory}: above 0")
+        if self.memory == "step" and len(self.weights) != 1:
+            raise DamagedLaw("weights", "is not one number, as a step has")
+        if self.variable == "position" and not self._tabulated:
+            raise DamagedLaw("variable", "is position; allowed with stage structure or transmission, without a lag")
+        if self.variable == "curvature" and self.place in ("drive", "tendon", "load_cell"):
+            raise DamagedLaw("variable", f"is curvature, which the stage {self.place} does not know")
 
     # What the law adds.
 
@@ -317,6 +352,10 @@ class UnnamedLaw(Effect):
             return tension
         series = self._series(history, tension, None)
         return np.asarray(tension + self.of(remember(series, history, self.memory, self.setting)))
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
 
 
 def variable_of(

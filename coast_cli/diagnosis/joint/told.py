@@ -18,7 +18,9 @@ from coast_cli.mechanics.joint import tendon_shortening
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.units import MILLIMETRE
 
+_TAKES = ("tendon", "transmission", "structure")  # stages at which the tension at the actuator does the work
 _LOOP_SAMPLES = 480
+_LEAST_GAIN = 1.0  # nats, below which no recording that is offered parts two laws
 _LEAST_ENERGY = 1e-3  # of the work of one way, below which a loop counts as closed
 
 
@@ -55,7 +57,7 @@ def known_of(problem: JointProblem, final: Fit, errors: tuple[float, float] | No
 def parting(problem: JointProblem, alike: Sequence[Fit]) -> str:
     """Return the recording that would part the leading two of several fits that explain alike, or an empty text."""
     proposals = next_recording(problem, alike[:2])
-    if not proposals or proposals[0].gain <= 0.0:
+    if not proposals or proposals[0].gain < _LEAST_GAIN:
         return ""
     return f"{proposals[0].words} (expected to add {proposals[0].gain:.0f} nats between the leading two)"
 
@@ -77,7 +79,8 @@ def _covariance(problem: JointProblem, final: Fit, law: UnnamedLaw) -> FloatArra
 
 def _dissipated(problem: JointProblem, final: Fit) -> tuple[float | None, str]:
     """Return the work (J) that the laws take in one full loop of the drive at its usual rate, and the loop in words."""
-    if not any(dissipates(law) for law in laws_of(final.effects)):
+    taking = [law for law in laws_of(final.effects) if law.place in _TAKES and dissipates(law)]
+    if not taking:
         return None, ""
     drives = [run.drive for run in problem.runs]
     low, top = min(float(drive.min()) for drive in drives), max(float(drive.max()) for drive in drives)
@@ -88,9 +91,9 @@ def _dissipated(problem: JointProblem, final: Fit) -> tuple[float | None, str]:
     largest = max(float(np.nanmax(np.abs(one.response))) for one in problem.runs)
     run = replace(run, response=np.full_like(run.response, largest))  # so far tables must reach
     posed = replace(problem, runs=(run,), train=(), usable=(), tension_usable=())
-    names = tuple(effect for effect in final.effects if not isinstance(effect, UnnamedLaw))
+    others = tuple(effect for effect in final.effects if effect not in taking)
     work = []
-    for effects in (final.effects, names):
+    for effects in (final.effects, others):
         found = posed.predict(final.coordinates, effects)[0]
         bent = found.response.sum(axis=1) / (1.0 if run.kind == "curvature" else length)
         joint = problem.joints[run.pair]

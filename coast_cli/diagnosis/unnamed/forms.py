@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from coast_cli.effects.seen import UNITS
 from coast_cli.effects.unnamed import Place, UnnamedLaw, Variable
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.units import DEGREE
@@ -23,18 +24,6 @@ _WIDTH_90 = 1.6448536269514722  # standard deviations on either side of 90 % of 
 _STEP = 1e-4  # relative, of a setting
 _LEAST_TERM = 5e-3  # of the largest term, below which a term is not printed
 _DIGITS = (3, 4, 6)  # of a printed number; more where fewer would miss the curve
-# Symbol, display unit of each variable, and SI units in one of it.
-UNITS: Mapping[Variable, tuple[str, str, float]] = {
-    "stroke": ("X1", "mm", 1e-3),
-    "tension": ("F", "N", 1.0),
-    "curvature": ("kappa", "1/m", 1.0),
-    "bending_length": ("X2", "mm", 1e-3),
-    "position": ("s", "mm", 1e-3),
-    "time": ("t", "s", 1.0),
-    "rate": ("v", "mm/s", 1e-3),
-    "path": ("y", "mm", 1e-3),
-    "run": ("run", "", 1.0),
-}
 _UNITS_OF_TENSION: Mapping[Variable, tuple[str, str, float]] = {"rate": ("v", "N/s", 1.0), "path": ("y", "N", 1.0)}
 _AMPLITUDES: Mapping[Place, str] = {
     "drive": "mm",
@@ -136,8 +125,10 @@ class Curve:
     def rows(self) -> list[tuple[str, ...]]:
         """Return some points from end to end as text: x, y, and the ends of the band where it is known."""
         places = [0] if len(set(self.y)) == 1 else [round(p) for p in np.linspace(0, len(self.x) - 1, _TABLE).tolist()]
-        columns = [c for c in (self.x, self.y, self.low, self.high) if c]
-        return [tuple(_figure(column[place], column) for column in columns) for place in places]
+        added = [column for column in (self.y, self.low, self.high) if column]
+        scale = max(abs(value) for column in added for value in column)
+        reach = max(abs(value) for value in self.x)
+        return [(_figure(self.x[p], reach), *(_figure(column[p], scale) for column in added)) for p in places]
 
     def names(self) -> tuple[str, ...]:
         """Return the heads of the columns of ``rows``."""
@@ -343,8 +334,7 @@ def _in(unit: str) -> str:
     return f" ({unit})" if unit else ""
 
 
-def _figure(value: float, column: tuple[float, ...]) -> str:
-    """Return a number to a thousandth of the largest of its column."""
-    largest = max(abs(one) for one in column)
+def _figure(value: float, largest: float) -> str:
+    """Return a number to a hundredth of the largest beside it, or better."""
     digits = 0 if largest == 0.0 else max(2 - int(np.floor(np.log10(largest))), 0)
     return f"{value:.{digits}f}"

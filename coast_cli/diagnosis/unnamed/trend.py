@@ -29,12 +29,12 @@ _ADDED: Mapping[Place, tuple[str, str]] = {
 }
 # The same where it works against the motion.
 _AGAINST: Mapping[Place, str] = {
-    "drive": "play of the drive, to either side",
-    "tendon": "friction in the tendon's stretch, to either side",
+    "drive": "play of the drive to either side",
+    "tendon": "friction in the tendon's stretch to either side",
     "transmission": "friction along the tendon (ln of the tension ratio, turning round with the motion)",
     "structure": "an added bending moment on load and as much less on release (as EI times curvature)",
-    "sensor": "play in what the camera shows, to either side",
-    "load_cell": "play in what the load cell reads, to either side",
+    "sensor": "play in what the camera shows to either side",
+    "load_cell": "play in what the load cell reads to either side",
 }
 _SUBJECTS: Mapping[Place, str] = {
     "drive": "the drive",
@@ -114,7 +114,7 @@ class _Words:
         ing = {"rises": "rising", "falls": "falling", "goes": "going"} if participle else {}
         over, span = self._over(), float(np.ptp(y))
         if span <= _LEVEL * float(np.max(np.abs(y), initial=0.0)):
-            return f"{'' if participle else 'is '}constant, {self.much(float(np.mean(y)))}"
+            return f"{'' if participle else 'is '}{self.much(float(np.mean(y)))} throughout"
         turns = _turns(y, _TURN * span)
         verbs = ["rises" if after > before else "falls" for before, after in pairwise(y[turns].tolist())]
         first = ing.get(verbs[0], verbs[0])

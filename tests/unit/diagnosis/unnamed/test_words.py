@@ -69,7 +69,7 @@ def test_a_second_law_is_a_part_of_the_explanation_and_no_rival_of_it():
     bent = UnnamedLaw("structure", "curvature", "none", 0.0, 0.0, 40.0, (0.0, -4.0))
     play = UnnamedLaw("drive", "stroke", "friction", 0.0, 0.0, 4e-3, (0.1,), number=2)
     both = describe([[bent, play]], BENT)
-    assert "together with play of the drive, to either side, constant, 0.1 mm" in both.words
+    assert "together with play of the drive to either side, 0.1 mm throughout" in both.words
     assert "cannot tell" not in both.words
     assert both.memory is True
     assert len(both.curves) == 2
@@ -139,7 +139,7 @@ def test_a_law_is_said_with_its_numbers_and_units(law, words):
 
 def test_units_follow_the_recording():
     seen = UnnamedLaw("sensor", "curvature", "none", 0.0, 0.0, np.radians(60.0), (np.radians(3.0),))
-    assert "constant, 3 degrees" in added_by(seen, Display("bend"))
+    assert "is 3 degrees throughout" in added_by(seen, Display("bend"))
     assert drawn(seen, Display("bend")).axis == "theta (degrees)"
     pulled = UnnamedLaw("drive", "path", "none", 0.0, 0.0, 4.0, (0.2, 0.1))
     assert "N at" in added_by(pulled, Display("curvature", driven_by_tension=True))
