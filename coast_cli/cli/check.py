@@ -31,7 +31,7 @@ def check(
     A configuration that cannot be checked is a row with its reason, and the others are checked all the same; the exit code
     is then 3 for a wrong input, or 4 where a solver did not converge.
     """
-    from coast_cli.design.checks import check_design, refused
+    from coast_cli.design.checks import check_design, limits_told, refused
     from coast_cli.errors import BadInput, NotConverged
     from coast_cli.output.answer import Answer
     from coast_cli.output.provenance import provenance
@@ -53,7 +53,7 @@ def check(
         documents.append(document)
         rows += found
         codes.add(0 if all(row["passed"] for row in found) else 1)
-        notes += [*design.notes, *design.uncorrected_joint]
+        notes += [*design.notes, *design.uncorrected_joint, *limits_told(document)]
     origin = provenance(*documents, options=None if pair is None else {"pair": pair})
     write_answer(Answer("check", rows, origin, tuple(notes)), format, output or (), formats=FORMATS)
     return BadInput.exit_code if BadInput.exit_code in codes else max(codes)

@@ -16,7 +16,7 @@ from coast_cli.mechanics.beam import NO_EQUILIBRIUM
 from coast_cli.mechanics.pairs import pair_table
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.spec.build import Design
-from coast_cli.spec.config import Checks, LimitAtPoint, Reach
+from coast_cli.spec.config import Checks, Config, LimitAtPoint, Reach
 from coast_cli.units import DEGREE, MILLIMETRE
 
 Row = dict[str, str | float | int | bool | None]
@@ -64,6 +64,14 @@ def check_design(design: Design, pair: str | None = None) -> list[Row]:
         }
         for limit in held
     ]
+
+
+def limits_told(config: Config) -> tuple[str, ...]:
+    """Return the note on where a limit comes from that no drawing gives: that of fatigue."""
+    fatigue = None if config.checks is None else config.checks.fatigue
+    return (
+        () if fatigue is None else (f"checks.fatigue: the limit of {fatigue.origin}, for {fatigue.cycles:g} cycles.",)
+    )
 
 
 def refused(config: str, error: BadInput | NotConverged) -> Row:

@@ -165,14 +165,24 @@ class Fatigue(Document):
     cycles: Annotated[int, Within(1, 1_000_000_000)] = Field(10_000_000, description="bends that the tubes must stand")
     max_strain_amplitude: Annotated[float, Within(0.0, 1.0, above=True)] | None = Field(
         None,
-        description="half of the largest web strain's range; default 0.004, which nitinol stands 10^7 times (Pelton and"
-        " others, J. Mech. Behav. Biomed. Mater. 1, 2008)",
+        description="half of the largest web strain's range; default 0.004 for up to 10^7 cycles, which is assumed: quoted from"
+        " memory of Pelton and others, J. Mech. Behav. Biomed. Mater. 1, 2008, and not read there",
+    )
+    source: Annotated[str, Field(min_length=1, max_length=200)] | None = Field(
+        None, description="where max_strain_amplitude comes from, in words"
     )
 
     @property
     def amplitude(self) -> float:
         """The limit of the strain amplitude."""
         return FATIGUE_AMPLITUDE if self.max_strain_amplitude is None else self.max_strain_amplitude
+
+    @property
+    def origin(self) -> str:
+        """Where the limit comes from, in words."""
+        if self.max_strain_amplitude is None:
+            return f"{FATIGUE_AMPLITUDE:g} is assumed (as literature on nitinol has it, from memory)"
+        return f"{self.max_strain_amplitude:g} is of {self.source or 'a source that is not named'}"
 
 
 class Checks(Document):

@@ -291,6 +291,9 @@ def _check_limits(config: Config) -> None:
         message = "no amplitude is known for so many cycles"
         allowed = f"at most {FATIGUE_CYCLES}, or max_strain_amplitude of your own"
         raise config.refuse(("checks", "fatigue", "cycles"), message, found=fatigue.cycles, allowed=allowed)
+    if fatigue is not None and fatigue.source is not None and fatigue.max_strain_amplitude is None:
+        message = "a source is named, but not the limit that it gives"
+        raise config.refuse(("checks", "fatigue", "source"), message, allowed="max_strain_amplitude beside it")
 
 
 def _check_fitted(config: Config) -> None:

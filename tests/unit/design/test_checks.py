@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from coast_cli.design.checks import check_design
+from coast_cli.design.checks import check_design, limits_told
 from coast_cli.design.limits import at_the_point
 from coast_cli.design.snapping import snap_rows
 from coast_cli.errors import BadInput
@@ -109,3 +109,14 @@ def test_more_cycles_than_are_known_need_an_amplitude(reference_text):
         load_config_text(reference_text + "fatigue = { cycles = 20_000_000 }\n")
     own = "fatigue = { cycles = 20_000_000, max_strain_amplitude = 0.0031 }"
     assert checked(reference_text, own)["fatigue"]["passed"]
+
+
+def test_where_the_fatigue_limit_comes_from_is_said(reference_text):
+    def told(line):
+        return limits_told(load_config_text(reference_text + f"fatigue = {line}\n"))
+
+    assert "0.004 is assumed" in told("{}")[0]
+    assert "0.0031 is of our rig" in told('{ max_strain_amplitude = 0.0031, source = "our rig" }')[0]
+    assert limits_told(load_config_text(reference_text)) == ()
+    with pytest.raises(BadInput, match="a source is named"):
+        load_config_text(reference_text + 'fatigue = { source = "our rig" }\n')
