@@ -22,6 +22,7 @@ from coast_cli.mechanics.section import FloatArray
 _BINS = 16
 _MOST_VALUES = 64
 _RIDGE = 1e-9  # of the mean square of how the samples move with a base parameter
+_UNSEEN = 1e-12  # of the noise's variance
 # Axes that merely go along with others count less where shares are equal.
 _INCIDENTAL = {"time": 0.6, "run": 0.6, "cycle": 0.6, "rate": 0.6}
 
@@ -47,7 +48,7 @@ class Region:
 
 @dataclass(frozen=True, slots=True)
 class Samples:
-    """Residual (n,), how it moves with base parameters (n, p), and each axis' value of every fitted sample."""
+    """Residual (n,), how it moves with base parameters in prior widths (n, p), and each axis' value of every sample."""
 
     residual: FloatArray
     directions: FloatArray
@@ -119,7 +120,7 @@ def _two_variances(samples: Samples, inside: Booleans, floor: float) -> tuple[fl
     """Return the gain (nats) over one variance, and the excess squared error inside and outside a region."""
     outside = ~inside
     directions, residual = samples.directions[outside], samples.residual[outside]
-    step = _refitted(directions, residual, samples.directions)
+    step = _refitted(directions, residual, samples.directions, floor)
     left = (samples.residual - samples.directions @ step) ** 2
     within, without = left[inside], left[outside]
     before = float(np.mean(samples.residual**2)) + 0.1 * floor
@@ -132,12 +133,15 @@ def _two_variances(samples: Samples, inside: Booleans, floor: float) -> tuple[fl
     return float(gain), float(max(np.sum(within - noise), 0.0)), float(max(np.sum(without - noise), 0.0))
 
 
-def _refitted(directions: FloatArray, residual: FloatArray, everywhere: FloatArray) -> FloatArray:
-    """Return base parameters refitted to some samples; a ridge scaled by all of them holds what these do not show."""
+def _refitted(directions: FloatArray, residual: FloatArray, everywhere: FloatArray, floor: float) -> FloatArray:
+    """Return base parameters refitted to some samples; a ridge scaled by all of them holds what these do not show.
+
+    What moves no sample by a millionth of the noise is rounding, which differs from processor to processor.
+    """
     count = directions.shape[1]
     if count == 0:
         return np.zeros(0)
-    scale = np.sqrt(np.maximum(np.mean(everywhere**2, axis=0), 1e-300))
+    scale = np.sqrt(np.maximum(np.mean(everywhere**2, axis=0), _UNSEEN * floor))
     unit = directions / scale
     normal = unit.T @ unit + _RIDGE * everywhere.shape[0] * np.eye(count)
     return np.asarray(np.linalg.solve(normal, unit.T @ residual) / scale)

@@ -55,10 +55,10 @@ def samples_of(problem: JointProblem, base: Fit) -> Samples:
         }
         for axis, name in names.items():
             discrete.setdefault(axis, []).append(name[rows])
-    size = problem.observed.size
+    size, spread = problem.observed.size, problem.space(base.effects).spread
     return Samples(
         residual=base.residual,
-        directions=-base.jacobian[:size, : base.coordinates.size],
+        directions=-base.jacobian[:size, : base.coordinates.size] * spread[: base.coordinates.size],
         continuous={axis: joined for axis, v in continuous.items() if (joined := np.concatenate(v)).size == size},
         discrete={axis: np.concatenate(v) for axis, v in discrete.items()},
     )
