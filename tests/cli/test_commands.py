@@ -377,6 +377,9 @@ def test_stroke_says_which_limits_are_passed(coast, reference):
         "web strain 0.0451 above",
     ):
         assert f"past a limit from 300 1/m over 40 mm: {words}" in far.err
+    mad = coast("stroke", reference, "--stroke", "1e5", "--x2", "20").err  # 63 kN, and not in silence
+    for words in ("notch faces touch", "stroke above 6 mm", "web strain 230 above 0.054, where nitinol keeps a set"):
+        assert f"past a limit from 1.527e+06 1/m over 20 mm: {words}" in mad
     tense = coast("stroke", reference, "--stroke", "5", "--x2", "20,40")
     assert "past a limit from 54.28 1/m over 20 mm: web strain 0.00816 above 0.008" in tense.err
 

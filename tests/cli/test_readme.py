@@ -46,9 +46,9 @@ def enter(folder):
 
 def printed(program, words):
     if program == "python":
-        there = {**os.environ, "PYTHONPATH": str(ROOT)}
+        there = {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONIOENCODING": "utf-8"}
         command = [sys.executable, *shlex.split(words)]
-        return subprocess.run(command, capture_output=True, text=True, check=True, env=there).stdout
+        return subprocess.run(command, capture_output=True, encoding="utf-8", check=True, env=there).stdout
     stdout, sys.stdout = sys.stdout, StringIO()
     try:
         main(shlex.split(words))

@@ -1,11 +1,18 @@
-"""The same answer on any processor: neither last bits of a recording nor other instruction sets change what is printed."""
+"""The same answer on any processor: neither last bits of a recording nor other instruction sets change what is printed.
 
+    PYTHONPATH=. nice python tests/validation/test_stability.py --times 20
+
+does at length what the tests do in short, and prints a table: a row for each recording, generated or real.
+"""
+
+import argparse
 import json
 import os
 import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
@@ -14,6 +21,7 @@ from coast_cli.diagnosis.joint import diagnose_joint
 from coast_cli.diagnosis.shapes import diagnose_shapes
 from coast_cli.effects.library.backlash import Backlash
 from coast_cli.effects.library.tendon_superelasticity import TendonSuperelasticity
+from coast_cli.recordings.model import JointRun
 from coast_cli.recordings.read import read_recordings
 from coast_cli.spec.load import load_config, load_config_text
 from tests.modelled_joint import CONFIG, recording
@@ -48,52 +56,63 @@ def generated():
     return CONFIG, recording(EFFECTS, noise=0.1, witness=True)
 
 
-def wrist():
+def readme():
+    config = load_config(ROOT / "configs" / "tubes.toml")
+    return config, read_recordings([ROOT / "examples" / "diagnose" / "recording.csv"], config).joint.runs
+
+
+def wrist(name="A"):
     config = load_config(WRIST / "tubes.toml")
-    return config, read_recordings([WRIST / "wrist_A.csv"], config).joint.runs
+    return config, read_recordings([WRIST / f"wrist_{name}.csv"], config).joint.runs
 
 
-def test_last_bits_of_a_recording_change_nothing():
-    config, runs = generated()
-    expected = printed(diagnose_joint(config, runs))
-    assert expected["effects"]
-    for seed in range(3):
-        rng = np.random.default_rng(seed)
-        other = [replace(run, response=shaken(run.response, rng)) for run in runs]
-        assert printed(diagnose_joint(config, other)) == expected
-
-
-@pytest.mark.skipif(not WRIST.is_dir(), reason="not here")
-def test_last_bits_of_a_real_recording_change_nothing():
-    config, runs = wrist()
-    expected = printed(diagnose_joint(config, runs))
-    for seed in range(2):
-        rng = np.random.default_rng(seed)
-        other = [replace(run, response=shaken(run.response, rng)) for run in runs]
-        assert printed(diagnose_joint(config, other)) == expected
-
-
-def test_last_bits_of_shapes_change_nothing(tmp_path):
+def tip_load():
+    """Return photographs of a tube with a load at its tip."""
     from examples.concealed.shape_case import make_shape_case
 
     case = make_shape_case(71002, "L1", "tip_load")
     config = load_config_text(case.config_text, "case")
-    paths = []
-    for name, text in case.files.items():
-        paths.append(tmp_path / name)
-        paths[-1].write_text(text, encoding="utf-8")
-    runs = read_recordings(paths, config).shape.runs
-    expected = printed(diagnose_shapes(config, runs))
-    rng = np.random.default_rng(0)
-    other = [replace(run, x=shaken(run.x, rng), y=shaken(run.y, rng)) for run in runs]
-    assert printed(diagnose_shapes(config, other)) == expected
+    with TemporaryDirectory() as folder:
+        paths = [Path(folder) / name for name in case.files]
+        for path, text in zip(paths, case.files.values(), strict=True):
+            path.write_text(text, encoding="utf-8")
+        return config, read_recordings(paths, config).shape.runs
+
+
+def diagnosed(config, runs, rng=None):
+    """Return what is printed of a diagnosis, with last bits changed where random numbers are given."""
+    if isinstance(runs[0], JointRun):
+        if rng is not None:
+            runs = [replace(run, response=shaken(run.response, rng)) for run in runs]
+        return printed(diagnose_joint(config, runs))
+    if rng is not None:
+        runs = [replace(run, x=shaken(run.x, rng), y=shaken(run.y, rng)) for run in runs]
+    return printed(diagnose_shapes(config, runs))
+
+
+def is_unchanged(recorded, times):
+    expected = diagnosed(*recorded)
+    return [diagnosed(*recorded, np.random.default_rng(seed)) == expected for seed in range(times)]
+
+
+def test_last_bits_of_a_recording_change_nothing():
+    assert diagnosed(*generated())["effects"]
+    assert all(is_unchanged(generated(), 3))
+
+
+@pytest.mark.skipif(not WRIST.is_dir(), reason="not here")
+def test_last_bits_of_a_real_recording_change_nothing():
+    assert all(is_unchanged(wrist(), 2))
+
+
+def test_last_bits_of_shapes_change_nothing():
+    assert all(is_unchanged(tip_load(), 1))
 
 
 SCRIPT = """
 import json
-from tests.validation.test_stability import {source}, printed
-from coast_cli.diagnosis.joint import diagnose_joint
-print(json.dumps(printed(diagnose_joint(*{source}()))))
+from tests.validation.test_stability import {source}, diagnosed
+print(json.dumps(diagnosed(*{source}())))
 """
 
 
@@ -121,7 +140,25 @@ def other_instruction_sets():
 def test_other_instruction_sets_change_nothing(source):
     if source == "wrist" and not WRIST.is_dir():
         pytest.skip("not here")
-    config, runs = {"generated": generated, "wrist": wrist}[source]()
-    expected = printed(diagnose_joint(config, runs))
+    expected = diagnosed(*{"generated": generated, "wrist": wrist}[source]())
     for settings in other_instruction_sets():
         assert other_processor(source, settings) == expected
+
+
+def main():
+    """Print for each recording how many of so many answers, and of how many instruction sets, were the same."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--times", type=int, default=20)
+    sources = [generated, readme, tip_load, *([wrist] if WRIST.is_dir() else [])]
+    times = parser.parse_args().times
+    sys.stdout.write(f"{'recording':12} {'last bits':>10} {'instructions':>12}\n")
+    for source in sources:
+        same = is_unchanged(source(), times)
+        sets = [other_processor(source.__name__, other) == diagnosed(*source()) for other in other_instruction_sets()]
+        shown = f"{sum(same)}/{len(same)}", f"{1 + sum(sets)}/{1 + len(sets)}"
+        sys.stdout.write(f"{source.__name__:12} {shown[0]:>10} {shown[1]:>12}\n")
+        sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    main()
