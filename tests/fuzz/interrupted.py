@@ -17,6 +17,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections import Counter
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -179,7 +180,7 @@ def main() -> None:
     parser.add_argument("--trials", type=int, default=50)
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()
-    chance, known, ended, failed = random.Random(options.seed), {}, 0, 0
+    chance, known, ended, failed = random.Random(options.seed), {}, Counter(), 0
     names = [name for name in COMMANDS for _ in range(1 + (name == "explore --cluster"))]
     for number in range(options.trials):
         name = names[number % len(names)]
@@ -191,7 +192,7 @@ def main() -> None:
                 known[name] = time.monotonic() - began, files(folder)
         try:
             count, ways = trial(name, *known[name], chance)
-            ended += count
+            ended.update(filter(None, ways))
             sys.stdout.write(
                 f"{number + 1:3} {name:20} ended {count} times: {', '.join(filter(None, ways)) or 'never'}\n"
             )
@@ -199,7 +200,8 @@ def main() -> None:
             failed += 1
             sys.stdout.write(f"{number + 1:3} {name:20} FAILED: {error}\n")
         sys.stdout.flush()
-    sys.stdout.write(f"{options.trials} trials, {ended} ends, {failed} failed\n")
+    shown = ", ".join(f"{count} by {way}" for way, count in ended.most_common())
+    sys.stdout.write(f"{options.trials} trials, {ended.total()} ends ({shown}), {failed} failed\n")
     sys.exit(bool(failed))
 
 

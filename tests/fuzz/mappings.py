@@ -1,15 +1,13 @@
 """What is fuzzed of other people's files: mappings, foreign tables and MATLAB files, by the standard library and scipy."""
 
 import random
-import tempfile
 from io import BytesIO
 from pathlib import Path
 
 from tests.fuzz.targets import JSON, RECORDING, Target, mutate_csv, mutate_toml
 
-FOREIGN = "t_s,motor_deg,jaw_deg,wrist,trial,torque_n_m\n" + "".join(
-    f"{0.1 * i:.1f},{10 * min(i, 30 - i)},{-2 * min(i, 30 - i)},{i // 15},{i // 5 % 3},{0.01 * i}\n" for i in range(30)
-)
+FILE = Path(__file__).with_name("foreign.csv")
+FOREIGN = FILE.read_text(encoding="utf-8")
 MAPPINGS = (
     '[columns]\nstroke_mm = { from = "motor_deg", scale = 0.1, offset = 3.0 }\nbend_deg = "jaw_deg"\n',
     (
@@ -26,13 +24,6 @@ MAPPINGS = (
         'skip = 1\nunits_row = true\nnames = ["a", "b", "c", "d", "e", "f"]\n[rows.where]\ne = [0, "1"]\n'
     ),
 )
-
-
-def _foreign_file() -> Path:
-    path = Path(tempfile.gettempdir()) / "coast-fuzzed-foreign.csv"
-    if not path.exists():
-        path.write_text(FOREIGN, encoding="utf-8")
-    return path
 
 
 def _mapping_seeds() -> list[bytes]:
@@ -101,8 +92,8 @@ TARGETS = {
     "mapping": Target(
         ".toml",
         (
-            ("recordings", str(_foreign_file()), "--columns", "{file}", *JSON),
-            ("recordings", str(_foreign_file()), "--columns", "{file}", "--noise", "0.1", *JSON),
+            ("recordings", str(FILE), "--columns", "{file}", *JSON),
+            ("recordings", str(FILE), "--columns", "{file}", "--noise", "0.1", *JSON),
         ),
         _mapping_seeds,
         mutate_toml,
