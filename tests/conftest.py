@@ -19,7 +19,8 @@ REFERENCE = ROOT / "configs" / "tubes.toml"
 settings.register_profile("same", derandomize=True, deadline=None)
 settings.register_profile("search", max_examples=2000, deadline=None)
 settings.load_profile("same")
-os.environ.pop("COLUMNS", None)  # what tests compare is as wide as it comes, whatever the terminal that started them
+for name in ("COLUMNS", "FORCE_COLOR", "PY_COLORS", "TTY_COMPATIBLE", "TTY_INTERACTIVE"):
+    os.environ.pop(name, None)  # what tests compare is plain and as wide as it comes, whatever started them
 
 
 @dataclass(frozen=True)
