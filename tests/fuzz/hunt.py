@@ -4,7 +4,8 @@
 
 The targets share the processor time evenly. Whatever is no refusal in one sentence is written to the folder, once for
 each place that raised, with the command line that found it; so is a run of more than 20 s or one that takes more than
-1 GB. The table at the end says how much was tried. What is mended goes into ``cases/``, where ``test_cases.py`` replays it.
+1 GB. The table at the end, or where SIGTERM ends it, says how much was tried. What is mended goes into ``cases/``, where
+``test_cases.py`` replays it.
 """
 
 import argparse
@@ -100,6 +101,7 @@ def limit() -> None:
     warnings.simplefilter("ignore")
     resource.setrlimit(resource.RLIMIT_AS, (8 * BYTES, 8 * BYTES))
     signal.signal(signal.SIGVTALRM, _too_slow)
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
 
 
 def _too_slow(*_: object) -> None:
