@@ -26,7 +26,7 @@ def explain(
     from coast_cli.errors import UsageError, nearest
     from coast_cli.output.answer import Answer
     from coast_cli.output.effect_page import plot_signature, write_effect
-    from coast_cli.output.glossary import effect_kinds, everything, glossary, look_up
+    from coast_cli.output.glossary import effect_of, everything, glossary, look_up
     from coast_cli.output.standard_streams import to_stdout
     from coast_cli.output.view import stdout_width
     from coast_cli.output.write import write_answer
@@ -38,17 +38,17 @@ def explain(
     if not rows:
         hint = nearest(name, glossary()) or "`coast explain` lists all names."
         raise UsageError(f"{name}: there is no effect, key, check or column of that name. {hint}")
-    kinds = effect_kinds(name)
+    effect = effect_of(name)
     found = None
-    if "a joint" in kinds and (plot is not None or format is None):
+    if effect is not None and "joint" in effect.recordings and (plot is not None or format is None):
         from coast_cli.design.signature import signature
 
-        found = signature(kinds["a joint"])
+        found = signature(effect)
     if plot is not None:
         if found is None:
             raise UsageError(f"{name}: only an effect of joints has a signature to draw.")
         plot_signature(found).write(plot)
-    if kinds and format is None and not output:
-        to_stdout(lambda stream: write_effect(kinds, found, stream, stdout_width()))
+    if effect is not None and format is None and not output:
+        to_stdout(lambda stream: write_effect(effect, found, stream, stdout_width()))
     else:
         write_answer(Answer("explain", rows), format, output or ())

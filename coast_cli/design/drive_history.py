@@ -14,9 +14,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from coast_cli.effects.catalogue import in_order
-from coast_cli.effects.effect import Effect, History
+from coast_cli.effects.effect import Effect, History, acting
 from coast_cli.effects.forward import Layout, predict
 from coast_cli.effects.memory import follow
+from coast_cli.effects.stages import OnDrive, OnSlack, OnStretch, OnStructure, OnTubes
 from coast_cli.effects.stations import Stations, branch, stations_for
 from coast_cli.mechanics.joint import Joint, Tendon
 from coast_cli.mechanics.section import FloatArray
@@ -54,7 +55,7 @@ def drive_along(
     """
     ordered = in_order(effects)
     changed = joint
-    for effect in ordered:
+    for effect in acting(ordered, OnTubes):
         changed = effect.joint(changed)
     bounds = _bounds(changed, tendon, ordered, curvature, bending_length)
     drive, tension = _through_structure(bounds, changed, tendon, ordered, curvature, bending_length)
@@ -62,7 +63,9 @@ def drive_along(
     behind = _filled(drive, joint.deadband)
     known = _filled(tension, 0.0)
     history = History(None, behind, None, bending_length)
-    behind = behind + sum((effect.slack(known, history, changed) for effect in ordered), np.zeros_like(behind))
+    behind = behind + sum(
+        (effect.slack(known, history, changed) for effect in acting(ordered, OnSlack)), np.zeros_like(behind)
+    )
     length = np.maximum(2.0 * bending_length - _driven(ordered, behind, bending_length).bending_length, _STEP)
     first = _through_actuator(ordered, behind, length)
     slope = np.maximum(behind - joint.deadband, 0.0) / np.maximum(np.abs(curvature), 1.0)
@@ -98,7 +101,7 @@ def _bounds(
     if lengths.size > _MOST_LENGTHS:
         lengths = np.linspace(lengths[0], lengths[-1], _MOST_LENGTHS)
     reverses = any(effect.reverses for effect in effects)
-    homed = max((effect.homing() for effect in effects), default=0.0)
+    homed = max((effect.homing() for effect in acting(effects, OnStructure)), default=0.0)
     found, sides = [], []
     for length in lengths.tolist():
         stations = stations_for(joint, effects, length, "curvature", 1)
@@ -222,14 +225,14 @@ def _through_actuator(effects: Sequence[Effect], behind: FloatArray, bending_len
 
 def _driven(effects: Sequence[Effect], stroke: FloatArray, bending_length: FloatArray) -> History:
     history = History(None, stroke, None, bending_length)
-    for effect in effects:
+    for effect in acting(effects, OnDrive):
         history = effect.drive(history)
     return history
 
 
 def _stretched(tension: FloatArray, tendon: Tendon, effects: Sequence[Effect], joint: Joint) -> FloatArray:
     stretch = tension / tendon.stiffness
-    for effect in effects:
+    for effect in acting(effects, OnStretch):
         stretch = effect.stretch(stretch, tension, joint)
     return stretch
 

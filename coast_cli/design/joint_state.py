@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from coast_cli.effects.catalogue import in_order
-from coast_cli.effects.effect import Effect
+from coast_cli.effects.effect import Effect, acting
 from coast_cli.effects.forward import Layout, Tables
 from coast_cli.effects.library.backlash import Backlash
 from coast_cli.effects.library.bending_length_offset import BendingLengthOffset
@@ -25,6 +25,17 @@ from coast_cli.effects.library.camera_scale import CameraScale
 from coast_cli.effects.library.leadscrew_pitch_error import SCREW_PITCH, LeadscrewPitchError
 from coast_cli.effects.library.sensor_lag import SensorLag
 from coast_cli.effects.memory import waiting_parts
+from coast_cli.effects.stages import (
+    OnBranches,
+    OnDrag,
+    OnDrift,
+    OnDrive,
+    OnSensor,
+    OnSettling,
+    OnSlack,
+    OnStretch,
+    OnTubes,
+)
 from coast_cli.effects.stations import Stations, require_one_shape
 from coast_cli.errors import BadInput, UsageError
 from coast_cli.mechanics.joint import Joint, Tendon
@@ -33,7 +44,7 @@ from coast_cli.units import MILLIMETRE
 _LENGTHS = 9  # tabulated bending lengths, as many as the forward model takes of a run that slides X2
 _DRIVES = (LeadscrewPitchError, Backlash, BendingLengthOffset)
 _CAMERAS = (CameraScale, CameraOffset, SensorLag)
-_NOT_STEPPED = ("slack", "drag", "settle", "drift")
+_NOT_STEPPED: tuple[type[Effect], ...] = (OnSlack, OnDrag, OnSettling, OnDrift)
 _SHORTEST = 1e-4  # m, as BendingLengthOffset has it
 _FEW, _TENSIONS = 1e-8, 16385
 
@@ -92,7 +103,7 @@ class JointState:
     ) -> None:
         ordered = in_order(effects)
         _check(ordered)
-        for effect in ordered:
+        for effect in acting(ordered, OnTubes):
             joint = effect.joint(joint)
         if joint.tendon is None:
             raise BadInput("a joint is stepped by its stroke, and there is no [tendon] table")
@@ -112,7 +123,7 @@ class JointState:
         self._release = [_side(one.release_drive, one.release_curvature) for one in found]
         self._segment = _Segment(found[0].stations)
         self._deadband = joint.deadband
-        self._parts = waiting_parts(max((effect.rounding for effect in ordered), default=0.0))
+        self._parts = waiting_parts(max((effect.rounding for effect in acting(ordered, OnBranches)), default=0.0))
         rest = found[0].stations.rest
         start: Row = tuple(np.asarray(self._load[0].curvature[0] if rest is None else rest, dtype=float).tolist())
         self._waiting = [start] * len(self._parts)
@@ -228,10 +239,11 @@ class _Pull:
     def __init__(self, tendon: Tendon, effects: Sequence[Effect], joint: Joint, longest: float) -> None:
         self._stiffness = tendon.stiffness
         self._table: _Side | None = None
-        if any(type(effect).stretch is not Effect.stretch for effect in effects):
+        stretching = acting(effects, OnStretch)
+        if stretching:
             tension = np.linspace(0.0, 1.0, _TENSIONS) ** 2 * tendon.stiffness * longest
             stretch = tension / tendon.stiffness
-            for effect in effects:
+            for effect in stretching:
                 stretch = effect.stretch(stretch, tension, joint)
             self._table = _side(stretch, tension[:, None])
 
@@ -278,9 +290,9 @@ class _Lag:
 def _check(effects: Sequence[Effect]) -> None:
     """Refuse effects that the steps leave out."""
     for effect in effects:
-        of_drive = type(effect).drive is not Effect.drive and not isinstance(effect, _DRIVES)
-        of_camera = type(effect).sense is not Effect.sense and not isinstance(effect, _CAMERAS)
-        if of_drive or of_camera or any(getattr(type(effect), n) is not getattr(Effect, n) for n in _NOT_STEPPED):
+        of_drive = acting([effect], OnDrive) and not isinstance(effect, _DRIVES)
+        of_camera = acting([effect], OnSensor) and not isinstance(effect, _CAMERAS)
+        if of_drive or of_camera or any(acting([effect], stage) for stage in _NOT_STEPPED):
             raise BadInput(
                 "this correction needs more of the history than a step has",
                 key=f"corrections.{effect.id}",

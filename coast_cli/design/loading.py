@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from coast_cli.effects.catalogue import in_order
-from coast_cli.effects.effect import Effect, History
+from coast_cli.effects.effect import Effect, History, acting
+from coast_cli.effects.stages import OnDrag, OnDrive, OnSlack, OnStretch, OnStructure, OnTubes
 from coast_cli.effects.stations import Stations, branch, stations_for
-from coast_cli.effects.unnamed import UnnamedLaw
 from coast_cli.errors import NotConverged
 from coast_cli.mechanics.joint import Joint, StrokeSolution, curvature_from_stroke
 from coast_cli.mechanics.section import FloatArray
@@ -70,8 +70,7 @@ def acting_on_load(effects: Sequence[Effect]) -> tuple[tuple[Effect, ...], tuple
         notes.append(f"{_ids(camera)}: of the camera, not of the robot, so left out here.")
     if timed:
         notes.append(f"{_ids(timed)}: acts with time, so left out of a slow first pull.")
-    dragging = tuple(effect for effect in effects if isinstance(effect, UnnamedLaw) and effect.drags)
-    dragging = tuple(effect for effect in dragging if effect not in timed)
+    dragging = tuple(effect for effect in acting(effects, OnDrag) if effect not in timed)
     if dragging:
         notes.append(f"{_ids(dragging)}: takes tension by what was before, so left out of a slow first pull.")
     left_out = (*camera, *timed, *dragging)
@@ -118,7 +117,7 @@ def loading_branch(
         NotConverged: no curvature takes up the stroke.
     """
     ordered = in_order(effects)
-    for effect in ordered:
+    for effect in acting(ordered, OnTubes):
         joint = effect.joint(joint)
     length = float(_driven(ordered, np.zeros(1), bending_length).bending_length[0])
     stations = stations_for(joint, ordered, length, "curvature", 1)
@@ -176,16 +175,18 @@ def _branch(
         nothing = np.zeros_like(tension)
         return LoadingBranch(nothing, tension, nothing, curvature, _held(tension))
     stretch = tension / joint.tendon.stiffness
-    for effect in effects:
+    for effect in acting(effects, OnStretch):
         stretch = effect.stretch(stretch, tension, joint)
     path = stations.shortening(nodes.each)
-    homed = max((effect.homing() for effect in effects), default=0.0) * path[0]
+    homed = max((effect.homing() for effect in acting(effects, OnStructure)), default=0.0) * path[0]
     behind = joint.deadband + path - homed + stretch
     waits = np.any(nodes.each < rest, axis=1)
     pulled = np.where(waits, np.maximum(behind - joint.deadband + homed - stations.shortening(each), 0.0), stretch)
     tension = np.where(waits, np.interp(pulled, stretch, tension), tension)
     history = History(None, behind, None, np.full_like(behind, bending_length))
-    stroke = behind + sum((effect.slack(tension, history, joint) for effect in effects), np.zeros_like(tension))
+    stroke = behind + sum(
+        (effect.slack(tension, history, joint) for effect in acting(effects, OnSlack)), np.zeros_like(tension)
+    )
     ideal = LoadingBranch(stroke, tension, pulled, curvature, _held(stroke))
     if np.array_equal(_driven(effects, stroke, bending_length).drive, stroke):
         return ideal
@@ -208,7 +209,7 @@ def _through_actuator(ideal: LoadingBranch, effects: Sequence[Effect], bending_l
 
 def _driven(effects: Sequence[Effect], stroke: FloatArray, bending_length: float) -> History:
     history = History(None, stroke, None, np.full_like(stroke, bending_length))
-    for effect in effects:
+    for effect in acting(effects, OnDrive):
         history = effect.drive(history)
     return history
 

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from coast_cli.design.drive_history import drive_along
-from coast_cli.effects.effect import Effect
+from coast_cli.effects.effect import Effect, acting
+from coast_cli.effects.stages import OnSlack
 from coast_cli.errors import UsageError
 from coast_cli.mechanics.joint import Joint, StrokeSolution
 from coast_cli.mechanics.section import FloatArray
@@ -27,7 +28,7 @@ def released_stroke(
     """
     if joint.tendon is None:
         raise UsageError("branch release: a stroke needs a [tendon] table.")
-    if not any(effect.reverses or effect.slackens or "release" in effect.needs for effect in effects):
+    if not any(effect.reverses or acting([effect], OnSlack) or "release" in effect.needs for effect in effects):
         raise UsageError(
             "branch release: there is no such branch: the model releases as it loads, as no correction of friction or play "
             "remembers; a diagnosed model has them."

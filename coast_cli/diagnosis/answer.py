@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
 from coast_cli.diagnosis.locate import Region
-from coast_cli.effects.effect import Effect
+from coast_cli.effects.effect import Effect, RecordingKind
 
 if TYPE_CHECKING:
     from coast_cli.diagnosis.curves import JointCurve, ShapeCurve
@@ -93,6 +93,7 @@ class Diagnosis:
         curves: of every run, what the refitted base and the corrected model predict; none where nothing was fitted.
         model_spread: how sure the numbers of the corrected model are; None where that is not known.
         unnamed: what is known of a law without a name, alone or beside the names; None where there is none.
+        recording: kind of recording that was diagnosed.
     """
 
     verdict: Verdict
@@ -115,6 +116,7 @@ class Diagnosis:
     model_spread: Spread | None = field(default=None, compare=False)
     curves: tuple[JointCurve, ...] | tuple[ShapeCurve, ...] = field(default=(), compare=False)
     unnamed: Description | None = None
+    recording: RecordingKind = "joint"
 
     def __repr__(self) -> str:
         """Return the answers in a few lines."""

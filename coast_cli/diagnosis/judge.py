@@ -33,7 +33,7 @@ from coast_cli.diagnosis.thresholds import (
     TEMPER,
     UNEXPLAINED_SOFTNESS,
 )
-from coast_cli.effects.effect import Effect
+from coast_cli.effects.effect import Effect, declared
 from coast_cli.mechanics.section import FloatArray
 
 if TYPE_CHECKING:
@@ -263,7 +263,7 @@ class Case(ABC):
         place = len(space.base)
         for effect, owned in zip(final.effects, space.owned, strict=True):
             values = {}
-            numbers = dict(zip((p.name for p in effect.parameters), effect.values(), strict=True))
+            numbers, said = effect.numbers(), declared(effect, self.problem.recording)
             for coordinate in owned:
                 value = float(numbers[coordinate.name])
                 std = float(np.sqrt(final.covariance[place, place])) * (value if coordinate.logarithmic else 1.0)
@@ -271,7 +271,7 @@ class Case(ABC):
                 place += 1
             values |= self.chosen(effect)
             names[effect.id] = Named(
-                effect.id, effect.kind, effect.component, effect.title, effect.equation, self.confidence, values
+                effect.id, effect.kind, effect.component, said.title, said.equation, self.confidence, values
             )
         return tuple(names[identifier] for identifier in self.by_importance)
 
@@ -311,6 +311,7 @@ class Case(ABC):
             model_spread=self.model_spread(final),
             curves=self.curves(final),
             unnamed=self.told_law(final),
+            recording=self.problem.recording,
         )
 
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from coast_cli.diagnosis.answer import Diagnosis
     from coast_cli.diagnosis.joint.calibration import Calibration
     from coast_cli.diagnosis.spread import Spread
-    from coast_cli.effects.effect import Effect
+    from coast_cli.effects.effect import Effect, RecordingKind
     from coast_cli.recordings.model import Recordings
     from coast_cli.spec.config import Config
 
@@ -39,7 +39,7 @@ def model_text(config: Config, diagnosis: Diagnosis, recordings: Recordings, nam
     }
     for key, value in (*fitted.items(), *diagnosis.model_tubes.items()):
         put_number(document, key, value)
-    found = {effect.id: _correction(effect) for effect in diagnosis.model_effects}
+    found = {effect.id: _correction(effect, diagnosis.recording) for effect in diagnosis.model_effects}
     # An effect of joint and shapes alike has one table, in which each finds its own parameters.
     corrections = {
         **config.corrections,
@@ -82,16 +82,16 @@ def calibrated_text(config: Config, calibration: Calibration, recordings: Record
     return text
 
 
-def _correction(effect: Effect) -> dict[str, Any]:
+def _correction(effect: Effect, recording: RecordingKind) -> dict[str, Any]:
     """Return the table of a correction; what is not the tubes' own says on which kind of recording it was found."""
-    from coast_cli.effects.shape_effect import ShapeEffect
     from coast_cli.effects.unnamed import UnnamedLaw
 
     if isinstance(effect, UnnamedLaw):
         return effect.table()
-    values: dict[str, Any] = {p.name: float(v) for p, v in zip(effect.parameters, effect.values(), strict=True)}
+    numbers = effect.numbers()
+    values: dict[str, Any] = {p.name: float(numbers[p.name]) for p in effect.parameters_on(recording)}
     if effect.scope != "tube":
-        values["recording"] = "shapes" if isinstance(effect, ShapeEffect) else "joint"
+        values["recording"] = recording
     return values
 
 

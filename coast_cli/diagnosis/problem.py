@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
 from coast_cli.diagnosis.space import BaseParameter, ParameterSpace, Point
-from coast_cli.effects.effect import Effect
+from coast_cli.effects.effect import Effect, RecordingKind
 from coast_cli.mechanics.section import FloatArray
 
 if TYPE_CHECKING:
@@ -77,6 +77,10 @@ class Effort:
 
 class Problem(Protocol):
     """A recording and a model, ready to be fitted. Residuals are recorded less predicted, SI, channel after channel."""
+
+    @property
+    def recording(self) -> RecordingKind:
+        """Which side of an effect shows."""
 
     @property
     def base(self) -> tuple[BaseParameter, ...]:

@@ -65,9 +65,8 @@ def _noise(recordings: Recordings, noise: float | None) -> float | None:
 
 def _check_effects(ids: Sequence[str]) -> None:
     from coast_cli.effects.catalogue import CATALOGUE
-    from coast_cli.effects.shapes.catalogue import SHAPE_CATALOGUE
 
-    known = sorted({*CATALOGUE, *SHAPE_CATALOGUE})
+    known = sorted(CATALOGUE)
     for identifier in ids:
         if identifier not in known:
             hint = nearest(identifier, known) or None

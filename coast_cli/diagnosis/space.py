@@ -177,11 +177,11 @@ class ParameterSpace:
         """Return base coordinates and effects of a vector."""
         at, effects = len(self.base), []
         for effect, owned in zip(self.effects, self.owned, strict=True):
-            values = dict(zip((p.name for p in effect.parameters), effect.values(), strict=True))
+            values = {}
             for place, c in enumerate(owned, start=at):
                 value = float(np.exp(vector[place])) if c.logarithmic else float(vector[place])
                 values[c.name] = float(np.clip(value, c.low, c.high))
-            effects.append(effect.with_values(np.array(list(values.values()))))
+            effects.append(effect.with_numbers(values))
             at += len(owned)
         return vector[: len(self.base)], tuple(effects)
 

@@ -26,7 +26,8 @@ from coast_cli.diagnosis.model_file import model_text
 from coast_cli.diagnosis.shapes import diagnose_shapes
 from coast_cli.diagnosis.thresholds import AGREE_SIGMA, CARRIES_TO_JOINT
 from coast_cli.effects.catalogue import CATALOGUE
-from coast_cli.effects.shapes.catalogue import SHAPE_CATALOGUE
+from coast_cli.effects.effect import Effect
+from coast_cli.effects.stages import OnTubes
 from coast_cli.spec.load import load_config_text
 
 if TYPE_CHECKING:
@@ -78,7 +79,9 @@ def taught(config: Config, shapes: Diagnosis, recordings: Recordings, *, share: 
 
     Effects of bench and camera that joints have too (a tip load, a camera's scale) belong to another bench.
     """
-    effects = [effect for effect in shapes.model_effects if effect.id not in CATALOGUE or _in_the_tubes(effect.id)]
+    effects = [
+        effect for effect in shapes.model_effects if "joint" not in effect.recordings or _in_the_tubes(effect.id)
+    ]
     scaled = [_scaled(effect, share) if _in_the_tubes(effect.id) else effect for effect in effects]
     tubes = {key: _between(config, key, number, share) for key, number in shapes.model_tubes.items()}
     corrected = replace(shapes, model_effects=tuple(scaled), model_tubes=tubes)
@@ -87,8 +90,7 @@ def taught(config: Config, shapes: Diagnosis, recordings: Recordings, *, share: 
 
 
 def _in_the_tubes(identifier: str) -> bool:
-    effect = SHAPE_CATALOGUE.get(identifier)
-    return effect is not None and effect.stage_overridden("geometry")
+    return issubclass(CATALOGUE.get(identifier, Effect), OnTubes)
 
 
 def _scaled(effect: Any, share: float) -> Any:  # noqa: ANN401

@@ -10,13 +10,11 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
 
-from coast_cli.effects.effect import Parameter, Scope
+from coast_cli.effects.effect import Effect, RecordingKind
 from coast_cli.effects.unnamed import DamagedLaw, UnnamedLaw
 from coast_cli.errors import nearest
 
-RecordingKind = Literal["joint", "shapes"]
 Correction = Mapping[str, float | str | Sequence[float]]
 _UNNAMED = re.compile(r"unnamed_([1-9])")
 
@@ -32,23 +30,20 @@ class Fault:
     hint: str | None = None
 
 
-def correction_parameters() -> Mapping[str, Mapping[str, tuple[float, float]]]:
-    """Return the range of every parameter of every effect; of one that both catalogues know, the wider range."""
-    from coast_cli.effects.catalogue import CATALOGUE
-    from coast_cli.effects.shapes.catalogue import SHAPE_CATALOGUE
-
+def correction_parameters(catalogue: Mapping[str, type[Effect]]) -> Mapping[str, Mapping[str, tuple[float, float]]]:
+    """Return the range of every parameter of every effect; of one that joints and shapes both have, the wider range."""
     found: dict[str, dict[str, tuple[float, float]]] = {}
-    for effect in (*CATALOGUE.values(), *SHAPE_CATALOGUE.values()):
+    for effect in catalogue.values():
         ranges = found.setdefault(effect.id, {})
-        for parameter in effect.parameters:
+        for parameter in (p for recording in effect.recordings for p in effect.parameters_on(recording)):
             low, high = ranges.get(parameter.name, (parameter.low, parameter.high))
             ranges[parameter.name] = min(low, parameter.low), max(high, parameter.high)
     return found
 
 
-def faults(corrections: Mapping[str, Correction]) -> Iterator[Fault]:
+def faults(corrections: Mapping[str, Correction], catalogue: Mapping[str, type[Effect]]) -> Iterator[Fault]:
     """Yield what is wrong in a table of corrections."""
-    known = correction_parameters()
+    known = correction_parameters(catalogue)
     for effect, values in corrections.items():
         if _UNNAMED.fullmatch(effect):
             try:
@@ -88,11 +83,9 @@ def unnamed_law(effect: str, values: Correction) -> UnnamedLaw:
     return UnnamedLaw.from_table({k: v for k, v in values.items() if k != "recording"}, int(effect[-1]))
 
 
-def own_values(
-    parameters: tuple[Parameter, ...], scope: Scope, values: Correction, kind: RecordingKind
-) -> dict[str, float]:
-    """Return the values that belong to these parameters, none where they stay with the other kind of recording."""
-    if scope != "tube" and values.get("recording", kind) != kind:
+def own_values(effect: type[Effect], values: Correction, recording: RecordingKind) -> dict[str, float]:
+    """Return the values that an effect has on a kind of recording, none where they stay with the other kind."""
+    if effect.scope != "tube" and values.get("recording", recording) != recording:
         return {}
-    known = {parameter.name for parameter in parameters}
+    known = {parameter.name for parameter in effect.parameters_on(recording)}
     return {name: float(value) for name, value in values.items() if name in known and isinstance(value, int | float)}

@@ -1,14 +1,15 @@
-"""What an effect is: a frozen object that declares its stage, its parameters with ranges and sources, and its null.
+"""What an effect is: a frozen object that declares its parameters with ranges and sources, and its null.
 
-Effects act at five stages, always in this order whatever order they are listed in, because they do not commute:
-drive, tendon, transmission, structure, sensor. Each stage has one method, which is the identity unless overridden.
-Parameters carry the user's unit in their name (``width_mm``); the methods convert.
+What it does it says by the stages that it is made of (``stages`` for joints, ``shape_stages`` for photographs), each with a
+method of its own. Stages act in one order whatever order effects are listed in, because they do not commute: drive, tendon,
+transmission, structure, sensor. Parameters carry the user's unit in their name (``width_mm``); the methods convert.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import ClassVar, Literal, Self
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, fields, replace
+from typing import ClassVar, Literal, Self, TypedDict, TypeVar
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from coast_cli.mechanics.section import FloatArray
 Stage = Literal["drive", "tendon", "transmission", "structure", "sensor"]
 Kind = Literal["physics", "sensor", "parameter"]
 Scope = Literal["tube", "bench", "camera"]
+RecordingKind = Literal["joint", "shapes"]
 Need = Literal[
     "stroke",
     "time",
@@ -48,6 +50,8 @@ Scale = Literal[
     "period",
     "compliance",
     "runs",
+    "weight",
+    "gradient",
 ]
 STAGES: tuple[Stage, ...] = ("drive", "tendon", "transmission", "structure", "sensor")
 
@@ -63,9 +67,12 @@ class Parameter:
         starts: values from which a fit is started, as given or, with ``relative_to``, times that scale of the data.
         source: where the range comes from.
         needs: what a recording must hold for this number to be looked for; elsewhere it stays at its null.
-        role: "size" where the null makes the effect vanish, "shape" where it only says how it acts, "run" where it is the
-            number of a run, which is chosen, "found" where the rows themselves say it; neither is fitted.
-        relative_to: the largest of this in the recording is what ``starts`` are multiples of; empty for absolute.
+        role: "size" where the null makes the effect vanish, "shape" where it only says how it acts, "run", "tube" or "by_tube"
+            where it says on which one it sits, which is chosen, "found" where the rows themselves say it; these are not fitted.
+        relative_to: the largest of this in the recording is what ``starts`` are multiples of; empty for absolute. Of
+            photographs "weight" is a tube's, mN, and "gradient" what changes a curvature by 1/m over its length.
+        expected: mean and standard deviation where physics foretells it. logarithmic: whether a fit moves it by factors.
+            Both are read of photographs alone.
     """
 
     name: str
@@ -75,8 +82,10 @@ class Parameter:
     starts: tuple[float, ...]
     source: str
     relative_to: Scale = ""
-    role: Literal["size", "shape", "run", "found"] = "size"
+    role: Literal["size", "shape", "run", "tube", "by_tube", "found"] = "size"
     needs: Need | None = None
+    expected: tuple[float, float] | None = None
+    logarithmic: bool = False
 
 
 # Shared by the effects that bend the segment at rest: whether the stroke is zeroed on the straight or the rest shape.
@@ -124,14 +133,27 @@ class Motion:
     tension_per_curvature: FloatArray
 
 
+class Otherwise(TypedDict, total=False):
+    """What an effect of joints and photographs alike declares otherwise of photographs."""
+
+    title: str
+    equation: str
+    source: str
+    parameters: tuple[Parameter, ...]
+    needs: tuple[Need, ...]
+    unlikely: float
+    decided_by: str
+
+
 @dataclass(frozen=True)
 class Effect:
-    """Base of all effects: every stage is the identity.
+    """Base of all effects; its stages say what it does.
 
     ``needs`` is what a recording must hold for the effect to show at all, ``unlikely`` the nats by which it starts behind
-    the others. ``reverses`` says that load and release follow different branches, ``varies_along`` that notches bend
-    differently by their place. ``scope`` says what it belongs to: what is not the tubes' own never goes along to another
-    kind of recording. ``decided_by`` is the recording that tells the effect from its look-alikes.
+    the others, negative where theory says that it is always there. ``reverses`` says that load and release follow different
+    branches, ``varies_along`` that notches bend differently by their place. ``scope`` says what it belongs to: what is not the
+    tubes' own never goes along to another kind of recording. ``decided_by`` is the recording that tells the effect from its
+    look-alikes. ``recordings`` follows from the stages; what it declares otherwise of photographs stands in ``on_shapes``.
     """
 
     id: ClassVar[str]
@@ -148,11 +170,26 @@ class Effect:
     reverses: ClassVar[bool] = False
     varies_along: ClassVar[bool] = False
     decided_by: ClassVar[str]
+    recordings: ClassVar[tuple[RecordingKind, ...]] = ()
+    on_shapes: ClassVar[Otherwise] = {}
+
+    def __init_subclass__(cls) -> None:
+        """Act on what the stages act on, joints first, unless the class says otherwise."""
+        super().__init_subclass__()
+        if "recordings" not in cls.__dict__:
+            served = {recording for base in cls.__mro__[1:] for recording in getattr(base, "recordings", ())}
+            cls.recordings = tuple(sorted(served))
 
     @classmethod
     def null(cls) -> Self:
         """Return the effect at which nothing changes."""
-        return cls(**{parameter.name: parameter.null for parameter in cls.parameters})
+        parameters = (*cls.parameters, *cls.parameters_on("shapes"))
+        return cls(**{parameter.name: parameter.null for parameter in parameters})
+
+    @classmethod
+    def parameters_on(cls, recording: RecordingKind) -> tuple[Parameter, ...]:
+        """Return the parameters that it has on a kind of recording."""
+        return cls.on_shapes.get("parameters", cls.parameters) if recording == "shapes" else cls.parameters
 
     def values(self) -> tuple[float, ...]:
         """Return the parameters in declared order."""
@@ -162,89 +199,44 @@ class Effect:
         """Return the effect with its parameters replaced, in declared order."""
         return replace(self, **{p.name: float(v) for p, v in zip(self.parameters, values, strict=True)})
 
-    @property
-    def lumps(self) -> int:
-        """Into how many parts that move by themselves the effect divides a segment of equal notches."""
-        return 1
+    def numbers(self) -> dict[str, float]:
+        """Return all its parameters by name."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
 
-    def joint(self, joint: Joint) -> Joint:
-        """Change the joint itself (section, end effect), before anything else."""
-        return joint
+    def with_numbers(self, numbers: Mapping[str, float]) -> Self:
+        """Return the effect with some of them replaced."""
+        return replace(self, **numbers)
 
-    def drive(self, history: History) -> History:
-        """Change what the drive does before it reaches the tendon."""
-        return history
+    def acts_at(self, stage: type[Effect]) -> bool:
+        """Return whether it acts at a stage that it is made of."""
+        return True
 
-    def stretch(self, stretch: FloatArray, tension: FloatArray, joint: Joint) -> FloatArray:
-        """Change the tendon's elongation (m) at each tension (N); memoryless and increasing."""
-        return stretch
 
-    def slack(self, tension: FloatArray, history: History, joint: Joint) -> FloatArray:
-        """Return tendon length (m) that the history of tension (N) has added by each row."""
-        return np.zeros_like(tension)
+StageOf = TypeVar("StageOf", bound=Effect)
 
-    def drag(self, motion: Motion) -> FloatArray:
-        """Return the tension (N, at the actuator) that the motion of the segment takes, row by row."""
-        return np.zeros_like(motion.tension)
 
-    def weigh(self, tension: FloatArray, history: History) -> FloatArray:
-        """Change the tension (N) on its way through the load cell."""
-        return tension
+def acting(effects: Iterable[Effect], stage: type[StageOf]) -> list[StageOf]:
+    """Return the effects that act at a stage, in their order."""
+    return [effect for effect in effects if isinstance(effect, stage) and effect.acts_at(stage)]
 
-    def settle(self, curvature: FloatArray, history: History, joint: Joint, rigidity: float, arm: float) -> FloatArray:
-        """Let the segment's curvature (n, m) come late; ``rigidity`` in N m^2, ``arm`` the tendon's lever arm, m."""
-        return curvature
 
-    @property
-    def shapes_branches(self) -> bool:
-        """Whether the effect is part of the tabulated load and release branches."""
-        return self._overrides("friction", "notch_friction", "moment", "lumps")
+@dataclass(frozen=True, slots=True)
+class Declared:
+    """What an effect declares of one kind of recording, as ``Effect`` has it."""
 
-    @property
-    def slackens(self) -> bool:
-        """Whether the effect adds tendon length by the history of tension."""
-        return self._overrides("slack")
+    title: str
+    equation: str
+    source: str
+    parameters: tuple[Parameter, ...]
+    needs: tuple[Need, ...]
+    unlikely: float
+    decided_by: str
 
-    @property
-    def drags(self) -> bool:
-        """Whether the effect takes tension row by row."""
-        return self._overrides("drag")
 
-    def _overrides(self, *stages: str) -> bool:
-        return any(getattr(type(self), stage) is not getattr(Effect, stage) for stage in stages)
-
-    def friction(self, direction: int, joint: Joint, bending_length: float) -> float:
-        """Return the exponent added to ln(actuator tension / tension at the segment), load (+1) or release (-1)."""
-        return 0.0
-
-    def notch_friction(self) -> tuple[float, float]:
-        """Return the coefficient by which tension decays with each notch's bend, and the share of its own bend in it."""
-        return 0.0, 0.0
-
-    def homing(self) -> float:
-        """Return the share (0 to 1) of the rest shape's tendon path that the zero of the stroke already counts."""
-        return 0.0
-
-    def moment(self, moment: FloatArray, curvature: FloatArray, direction: int, segment: Segment) -> FloatArray:
-        """Change the moment (N m) that holds each curvature (1/m), on load (+1) or release (-1)."""
-        return moment
-
-    def drift(self, time: FloatArray) -> FloatArray | None:
-        """Return how far (0 to 1) a slow change of the structure has come at each time (s), or None for none."""
-        return None
-
-    def drifted(self, share: float) -> tuple[float, float]:
-        """Return the factor on stiffness and the curvature at rest (1/m) when a slow change has come so far."""
-        return 1.0, 0.0
-
-    @property
-    def rounding(self) -> float:
-        """Standard deviation of ln of the play's width along the path: ends of the wait are rounded by it."""
-        return 0.0
-
-    def sense(self, response: FloatArray, history: History) -> FloatArray:
-        """Change the response, shape (n, k), on its way through the camera; in the recording's SI unit."""
-        return response
+def declared(effect: Effect | type[Effect], recording: RecordingKind) -> Declared:
+    """Return what an effect declares of a kind of recording."""
+    found = Declared(**{field.name: getattr(effect, field.name) for field in fields(Declared)})
+    return replace(found, **effect.on_shapes) if recording == "shapes" else found
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,8 +14,21 @@ from typing import Literal
 import numpy as np
 
 from coast_cli.effects.catalogue import in_order
-from coast_cli.effects.effect import Effect, History, Motion
+from coast_cli.effects.effect import Effect, History, Motion, acting
 from coast_cli.effects.memory import follow, waiting_parts
+from coast_cli.effects.stages import (
+    OnBranches,
+    OnDrag,
+    OnDrift,
+    OnDrive,
+    OnLoadCell,
+    OnSensor,
+    OnSettling,
+    OnSlack,
+    OnStretch,
+    OnStructure,
+    OnTubes,
+)
 from coast_cli.effects.stations import Stations, branch, require_one_shape, stations_for
 from coast_cli.mechanics.joint import Joint
 from coast_cli.mechanics.section import FloatArray
@@ -58,7 +71,7 @@ def predict(
     ordered = in_order(effects)
     tables = tables if tables is not None else Tables()
     tables.begin()
-    for effect in ordered:
+    for effect in acting(ordered, OnTubes):
         joint = effect.joint(joint)
     predictions = []
     earlier = 0.0
@@ -117,7 +130,7 @@ class Tables:
         self, joint: Joint, effects: Sequence[Effect], length: float, layout: Layout, drifted: tuple[float, float]
     ) -> _Branches:
         """Return the branches of a joint at one bending length (m), tabulated now or before."""
-        shaping = tuple(effect for effect in effects if effect.shapes_branches)
+        shaping = tuple(acting(effects, OnBranches))
         radius = None if joint.tendon is None else joint.tendon.radius
         key = (
             joint.youngs_modulus,
@@ -166,14 +179,15 @@ def _predict_run(
     tables: Tables,
 ) -> Prediction:
     history = commanded
-    for effect in effects:
-        history = effect.drive(history)
+    for drive in acting(effects, OnDrive):
+        history = drive.drive(history)
     low, high, stations = _bounds(joint, effects, history, history.drive, layout, tables)
     curvature, tension = _with_memory(joint, effects, history, layout, tables, low, high, stations)
     response = _observe(curvature, stations, history.bending_length, layout)
-    for effect in effects:
-        response = effect.sense(response, commanded)
-        tension = effect.weigh(tension, commanded)
+    for camera in acting(effects, OnSensor):
+        response = camera.sense(response, commanded)
+    for cell in acting(effects, OnLoadCell):
+        tension = cell.weigh(tension, commanded)
     return Prediction(response, tension)
 
 
@@ -189,14 +203,14 @@ def _with_memory(
 ) -> tuple[FloatArray, FloatArray]:
     """Return curvature and tension of a run; what the tendon and the segment remember takes from the drive until all agree."""
     driven = history.stroke is not None
-    slackening = [effect for effect in effects if effect.slackens] if driven else []
-    dragging = [effect for effect in effects if effect.drags]
+    slackening = acting(effects, OnSlack) if driven else []
+    dragging, settling = acting(effects, OnDrag), acting(effects, OnSettling)
     stiffness = np.inf if joint.tendon is None else joint.tendon.stiffness
     slack, taken = np.zeros_like(history.drive), np.zeros_like(history.drive)
     for sweep in range(_SLACK_SWEEPS):
         curvature = _state(low, high, stations, effects)
         rigidity, arm = stations.rigidity, float(np.mean(stations.lever_arm))
-        for effect in effects:
+        for effect in settling:
             curvature = effect.settle(curvature, history, joint, rigidity, arm)
         if driven:
             tension = _tension(joint, effects, history.drive - slack, curvature, stations, history.bending_length)
@@ -229,7 +243,7 @@ def _state(low: FloatArray, high: FloatArray | None, stations: Stations, effects
     if high is None:
         return low
     high = np.maximum(low, high)
-    rounding = max(effect.rounding for effect in effects)
+    rounding = max((effect.rounding for effect in acting(effects, OnBranches)), default=0.0)
     if rounding == 0.0:
         return follow(low, high, stations.rest)
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
@@ -263,11 +277,11 @@ def _bounds(
     return low_0 + part * (low_1 - low_0), high, stations
 
 
-def _drifting(effects: Sequence[Effect], history: History) -> tuple[Effect, FloatArray] | None:
+def _drifting(effects: Sequence[Effect], history: History) -> tuple[OnDrift, FloatArray] | None:
     """Return the effect that changes the structure slowly, and how far it has come at each row."""
     if history.time is None or history.time.size == 0:
         return None
-    found = ((effect, effect.drift(history.time)) for effect in effects)
+    found = ((effect, effect.drift(history.time)) for effect in acting(effects, OnDrift))
     return next(((effect, drift) for effect, drift in found if drift is not None), None)
 
 
@@ -328,7 +342,7 @@ def _tabulate(joint: Joint, effects: Sequence[Effect], branches: _Branches, *, s
     """Return both branches at one bending length, each as a strictly usable axis: a jump is where it cannot hold."""
     sides = []
     rest = 0.0
-    homed = max((effect.homing() for effect in effects), default=0.0)
+    homed = max((effect.homing() for effect in acting(effects, OnStructure)), default=0.0)
     for direction, (tension, curvature, shortening) in zip((1, -1), branches.sides, strict=False):
         if stroke_driven:
             if direction > 0:
@@ -346,7 +360,7 @@ def _stretch(joint: Joint, effects: Sequence[Effect], tension: FloatArray) -> Fl
     if joint.tendon is None:
         return np.zeros_like(tension)
     stretch = tension / joint.tendon.stiffness
-    for effect in effects:
+    for effect in acting(effects, OnStretch):
         stretch = effect.stretch(stretch, tension, joint)
     return stretch
 
@@ -364,7 +378,7 @@ def _tension(
         return np.zeros_like(stroke)
     short = (stations.shortening(curvature) - stations.rest_path) * (lengths / stations.bending_length)
     stretch = np.maximum(stroke - joint.deadband - short, 0.0)
-    if all(type(effect).stretch is Effect.stretch for effect in effects):
+    if not acting(effects, OnStretch):
         return stretch * joint.tendon.stiffness
     grid = np.linspace(0.0, float(np.max(stretch, initial=0.0)) * joint.tendon.stiffness * 1.01 + 1e-12, 257)
     return np.interp(stretch, _stretch(joint, effects, grid), grid)

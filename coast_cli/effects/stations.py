@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from coast_cli.effects.effect import Effect, Segment
+from coast_cli.effects.effect import Effect, Segment, acting
+from coast_cli.effects.stages import OnBranches, OnStructure, OnTransmission
 from coast_cli.errors import BadInput
 from coast_cli.mechanics.joint import Joint
 from coast_cli.mechanics.section import FloatArray
@@ -107,7 +108,7 @@ def stations_for(
             pitch, cut, depth_axis = tube.pitch[chosen], tube.cut[chosen], tube.notch.neutral_axis[chosen]
             inertia = tube.series_second_moment[chosen]
     else:
-        lumps = max((effect.lumps for effect in effects), default=1)
+        lumps = max((effect.lumps for effect in acting(effects, OnBranches)), default=1)
         chosen = slice(tube.count - 1, tube.count)
         count = np.full(lumps, length / joint.pitch / lumps)
         pitch, cut = np.full(lumps, joint.pitch), np.full(lumps, joint.cut)
@@ -186,12 +187,12 @@ def branch(
     """Return actuator tension (q,) and curvature of each station (q, m) along load (+1) or release (-1)."""
     joint = stations.segment.joint
     exponent = stations.friction_gain + sum(
-        effect.friction(direction, joint, stations.bending_length) for effect in effects
+        effect.friction(direction, joint, stations.bending_length) for effect in acting(effects, OnTransmission)
     )
     gain = float(np.exp(exponent))
     curvature = curvature_limit * stations.reach * _GRID
     moment = stations.segment.rigidity * stations.carried(curvature - stations.drifted_rest)
-    for effect in effects:
+    for effect in acting(effects, OnStructure):
         moment = effect.moment(moment, np.broadcast_to(curvature, moment.shape), direction, stations.segment)
     if stations.pitch.size == 1:
         rest = float(np.interp(0.0, np.maximum.accumulate(moment[0]), curvature))
@@ -213,7 +214,7 @@ def _along(
     monotone = np.maximum.accumulate(moment, axis=1)
     if direction < 0:
         monotone = np.minimum.accumulate(moment[:, ::-1], axis=1)[:, ::-1]
-    friction, own = max((effect.notch_friction() for effect in effects), default=(0.0, 0.0))
+    friction, own = max((effect.notch_friction() for effect in acting(effects, OnTransmission)), default=(0.0, 0.0))
     ends = monotone[:, -1] / stations.lever_arm
     largest = float(np.max(ends) if stations.alone is None else np.min(ends)) * gain  # no table may end on the way
     tension = _TENSIONS * largest

@@ -17,6 +17,17 @@ import numpy as np
 
 from coast_cli.effects.effect import Effect, History, Motion, Need, Parameter, Segment
 from coast_cli.effects.memory import follow, relax
+from coast_cli.effects.stages import (
+    OnBranches,
+    OnDrag,
+    OnDrive,
+    OnLoadCell,
+    OnSensor,
+    OnSlack,
+    OnStretch,
+    OnStructure,
+    OnTransmission,
+)
 from coast_cli.mechanics.joint import Joint
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.units import MILLIMETRE
@@ -66,7 +77,7 @@ class DamagedLaw(ValueError):
 
 
 @dataclass(frozen=True)
-class UnnamedLaw(Effect):
+class UnnamedLaw(OnDrive, OnStretch, OnSlack, OnTransmission, OnStructure, OnDrag, OnSensor, OnLoadCell):
     """One law of the grammar, with its fitted amplitudes.
 
     Attributes:
@@ -146,6 +157,14 @@ class UnnamedLaw(Effect):
     def values(self) -> tuple[float, ...]:
         """Return amplitudes and setting, in declared order."""
         return (*self.weights, self.setting) if self.memory in _SET_FREE else self.weights
+
+    def numbers(self) -> dict[str, float]:
+        """Return its parameters by name."""
+        return dict(zip((p.name for p in self.parameters), self.values(), strict=True))
+
+    def with_numbers(self, numbers: Mapping[str, float]) -> Self:
+        """Return the law with some of them replaced."""
+        return self.with_values(np.array(list((self.numbers() | dict(numbers)).values())))
 
     def with_values(self, values: FloatArray) -> Self:
         """Return the law with amplitudes, and the setting where it is fitted, replaced."""
@@ -239,11 +258,6 @@ class UnnamedLaw(Effect):
         return self.variable == "position"
 
     @property
-    def shapes_branches(self) -> bool:
-        """Whether the law is part of the tabulated branches."""
-        return self._tabulated
-
-    @property
     def _tabulated(self) -> bool:
         return (
             self.place in ("transmission", "structure")
@@ -251,27 +265,28 @@ class UnnamedLaw(Effect):
             and self.variable in ("curvature", "bending_length", "position")
         )
 
-    @property
-    def drags(self) -> bool:
-        """Whether the law takes tension from the segment, row by row."""
-        return self.place in ("transmission", "structure") and not self._tabulated
+    def acts_at(self, stage: type[Effect]) -> bool:
+        """Return whether it acts at a stage: the one where it enters, by the branches where these can hold it."""
+        if stage is OnBranches:
+            return self._tabulated
+        return stage is self._acts
 
     @property
-    def slackens(self) -> bool:
-        """Whether the law adds tendon length by what the tension was."""
-        return self.place == "tendon" and not self._stretches
-
-    @property
-    def _stretches(self) -> bool:
-        return self.place == "tendon" and self.variable == "tension" and self.memory in ("none", "period")
+    def _acts(self) -> type[Effect]:
+        if self.place == "tendon":
+            by_tension = self.variable == "tension" and self.memory in ("none", "period")
+            return OnStretch if by_tension else OnSlack
+        if self.place not in ("transmission", "structure"):
+            return {"drive": OnDrive, "sensor": OnSensor, "load_cell": OnLoadCell}[self.place]
+        if not self._tabulated:
+            return OnDrag
+        return OnTransmission if (self.place, self.variable) == ("transmission", "bending_length") else OnStructure
 
     def _series(self, history: History, tension: FloatArray, curvature: FloatArray | None) -> FloatArray:
         return variable_of(self.variable, history, tension, curvature, self.memory)
 
     def drive(self, history: History) -> History:
         """Add to the stroke, or to the tension where that drives."""
-        if self.place != "drive":
-            return history
         unit = MILLIMETRE if history.stroke is not None else 1.0
         series = self._series(history, history.drive, None)
         if self.memory == "friction":
@@ -283,14 +298,10 @@ class UnnamedLaw(Effect):
 
     def stretch(self, stretch: FloatArray, tension: FloatArray, joint: Joint) -> FloatArray:
         """Add elongation that the tension of the moment makes."""
-        if not self._stretches:
-            return stretch
         return np.maximum.accumulate(stretch + self.of(tension) * MILLIMETRE)
 
     def slack(self, tension: FloatArray, history: History, joint: Joint) -> FloatArray:
         """Return tendon length (m) that time, path or the tension so far has added."""
-        if not self.slackens:
-            return np.zeros_like(tension)
         series = self._series(history, tension, None)
         if self.memory == "friction":
             half, elastic = self.of(series) * MILLIMETRE, 0.0 * tension
@@ -301,15 +312,11 @@ class UnnamedLaw(Effect):
 
     def friction(self, direction: int, joint: Joint, bending_length: float) -> float:
         """Return the exponent that the bending length alone decides."""
-        if self.place != "transmission" or not self._tabulated or self.variable != "bending_length":
-            return 0.0
         added = float(self.of(np.array([bending_length]))[0])
         return direction * added if self.memory == "friction" else added
 
     def moment(self, moment: FloatArray, curvature: FloatArray, direction: int, segment: Segment) -> FloatArray:
         """Add moment by curvature, place or bending length; a tension ratio by curvature acts as a factor on it."""
-        if not self._tabulated or (self.place == "transmission" and self.variable == "bending_length"):
-            return moment
         if self.variable == "curvature":
             added = self.of(curvature)
         else:
@@ -333,8 +340,6 @@ class UnnamedLaw(Effect):
 
     def sense(self, response: FloatArray, history: History) -> FloatArray:
         """Add to the response."""
-        if self.place != "sensor":
-            return response
         out = np.empty_like(response)
         for column in range(response.shape[1]):
             here = response[:, column]
@@ -348,8 +353,6 @@ class UnnamedLaw(Effect):
 
     def weigh(self, tension: FloatArray, history: History) -> FloatArray:
         """Add to what the load cell reads."""
-        if self.place != "load_cell":
-            return tension
         series = self._series(history, tension, None)
         return np.asarray(tension + self.of(remember(series, history, self.memory, self.setting)))
 

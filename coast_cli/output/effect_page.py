@@ -39,16 +39,15 @@ STAGES = {
 }
 
 
-def write_effect(kinds: dict[str, type[Effect]], found: Signature | None, stream: IO[str], width: int | None) -> None:
+def write_effect(effect: type[Effect], found: Signature | None, stream: IO[str], width: int | None) -> None:
     """Write the page.
 
     Args:
-        kinds: the effect as it acts on "a joint", on "shapes", or on both.
         found: its signature on a joint, where it has one.
         stream, width: where, and how wide; None is 80 columns.
     """
     room = min(width or WIDTH, WIDTH)
-    for line in _page(kinds, found, room):
+    for line in _page(effect, found, room):
         stream.write(f"{line.rstrip()}\n")
 
 
@@ -66,19 +65,23 @@ def plot_signature(found: Signature) -> Picture:
     return Picture((4.6, 3.2), paint)
 
 
-def _page(kinds: dict[str, type[Effect]], found: Signature | None, room: int) -> Iterator[str]:
-    for number, (where, kind) in enumerate(kinds.items()):
+def _page(effect: type[Effect], found: Signature | None, room: int) -> Iterator[str]:
+    from coast_cli.effects.effect import declared
+    from coast_cli.output.glossary import WHERE
+
+    for number, recording in enumerate(effect.recordings):
+        kind = declared(effect, recording)
         if number:
             yield ""
-        stage = STAGES.get(getattr(kind, "stage", ""), "")
-        yield from _said(f"{kind.id}: {kind.title}", room, "")
-        yield from _said(f"{kind.kind} effect of {where}, {kind.component}{f'; acts {stage}' if stage else ''}", room)
+        yield from _said(f"{effect.id}: {kind.title}", room, "")
+        where = f"{WHERE[recording]}, {effect.component}; acts {STAGES[effect.stage]}"
+        yield from _said(f"{effect.kind} effect of {where}", room)
         yield ""
         yield from _said(kind.equation, room, 2 * _INDENT)
         yield ""
         for name in (parameter for parameter in kind.parameters if parameter.role != "run"):
             yield from _said(f"{name.name}: {name.low:g} to {name.high:g}; {name.source}", room)
-        if found is not None and where == "a joint":
+        if found is not None and recording == "joint":
             yield ""
             yield from _drawn(found, room)
         yield ""

@@ -6,11 +6,14 @@ from collections.abc import Iterator, Mapping
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
-from coast_cli.output.answer import Cell, Row
+from coast_cli.output.answer import Row
 from coast_cli.output.columns import COLUMNS
 
 if TYPE_CHECKING:
-    from coast_cli.effects.effect import Effect
+    from coast_cli.effects.effect import Effect, RecordingKind
+
+
+WHERE: Mapping[RecordingKind, str] = {"joint": "a joint", "shapes": "shapes"}
 
 
 def look_up(name: str) -> list[Row]:
@@ -32,32 +35,31 @@ def everything() -> list[Row]:
     return [entry for entries in glossary().values() for entry in entries if entry["kind"] != "recording that decides"]
 
 
-def effect_kinds(name: str) -> dict[str, type[Effect]]:
-    """Return the effect of an id, by what it acts on; empty where there is none."""
-    return {where: catalogue[name] for where, catalogue in _catalogues().items() if name in catalogue}
+def effect_of(name: str) -> type[Effect] | None:
+    """Return the effect of an id, or None where there is none."""
+    from coast_cli.effects.catalogue import CATALOGUE
+
+    return CATALOGUE.get(name)
 
 
 def effect_rows() -> list[Row]:
     """Return every effect with the columns of ``coast effects``, in the order in which they act."""
+    from coast_cli.effects.catalogue import CATALOGUE
     from coast_cli.effects.effect import STAGES
 
-    found: dict[str, dict[str, Cell]] = {}
-    for where, catalogue in _catalogues().items():
-        for effect in catalogue.values():
-            stage = getattr(effect, "stage", "shape")
-            row = {"stage": stage, "effect": effect.id, "of": where, "component": effect.component}
-            known = found.setdefault(effect.id, row | {"kind": effect.kind, "title": effect.title})
-            if known["of"] != where:
-                known["of"] = "both"
-    order = (*STAGES, "shape")
-    return sorted(found.values(), key=lambda row: order.index(str(row["stage"])))
-
-
-def _catalogues() -> dict[str, Mapping[str, type[Effect]]]:
-    from coast_cli.effects.catalogue import CATALOGUE
-    from coast_cli.effects.shapes.catalogue import SHAPE_CATALOGUE
-
-    return {"a joint": CATALOGUE, "shapes": SHAPE_CATALOGUE}
+    found: list[Row] = [
+        {
+            "stage": effect.stage,
+            "effect": effect.id,
+            "of": "both" if len(effect.recordings) > 1 else WHERE[effect.recordings[0]],
+            "component": effect.component,
+            "kind": effect.kind,
+            "title": effect.title,
+        }
+        for effect in CATALOGUE.values()
+    ]
+    order: tuple[str, ...] = STAGES
+    return sorted(found, key=lambda row: order.index(str(row["stage"])))
 
 
 @cache
@@ -82,16 +84,20 @@ def _entry(
 
 
 def _effects() -> Iterator[Row]:
-    for where, catalogue in _catalogues().items():
-        for effect in catalogue.values():
-            meaning = f"{effect.title} ({effect.component}): {effect.equation}"
-            yield _entry(effect.id, f"{effect.kind} effect of {where}", meaning, source=effect.source)
-            yield _entry(effect.id, "recording that decides", effect.decided_by)
-            for parameter in effect.parameters:
+    from coast_cli.effects.catalogue import effects_of
+    from coast_cli.effects.effect import declared
+
+    for recording, where in WHERE.items():
+        for effect in effects_of(recording).values():
+            said = declared(effect, recording)
+            meaning = f"{said.title} ({effect.component}): {said.equation}"
+            yield _entry(effect.id, f"{effect.kind} effect of {where}", meaning, source=said.source)
+            yield _entry(effect.id, "recording that decides", said.decided_by)
+            for parameter in said.parameters:
                 allowed = f"{parameter.low:g} to {parameter.high:g}"
                 name = f"{effect.id}.{parameter.name}"
                 yield _entry(
-                    name, "parameter of an effect", f"of {effect.title}", allowed=allowed, source=parameter.source
+                    name, "parameter of an effect", f"of {said.title}", allowed=allowed, source=parameter.source
                 )
 
 

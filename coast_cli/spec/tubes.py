@@ -325,8 +325,9 @@ def _is_number(config: Config, key: str) -> bool:
 def _check_corrections(config: Config) -> None:
     if not config.corrections:
         return
+    from coast_cli.effects.catalogue import CATALOGUE
     from coast_cli.effects.corrections import faults
 
-    for fault in faults(config.corrections):
+    for fault in faults(config.corrections, CATALOGUE):
         path: Path = ("corrections", *fault.path)
         raise config.refuse(path, fault.message, found=fault.found, allowed=fault.allowed, hint=fault.hint)

@@ -309,12 +309,11 @@ def test_schema_is_printed_or_written(coast, tmp_path):
 
 def test_explain_knows_every_key_column_and_effect(coast, reference_text):
     from coast_cli.effects.catalogue import CATALOGUE
-    from coast_cli.effects.shapes.catalogue import SHAPE_CATALOGUE
 
     document = tomllib.loads(reference_text)
     keys = [f"{table}.{key}" for table in ("joint", "tendon", "inner", "checks") for key in document[table]]
     columns = [column for command in COLUMNS.values() for column in command]
-    for name in (*keys, *columns, *CATALOGUE, *SHAPE_CATALOGUE):
+    for name in (*keys, *columns, *CATALOGUE):
         ran = coast("explain", name, "-f", "json")
         assert ran.code == 0, ran.err
         assert all(row["meaning"] for row in rows(ran))

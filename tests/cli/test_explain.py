@@ -5,8 +5,8 @@ import json
 import pytest
 
 from coast_cli.design.signature import SHOWN, signature
-from coast_cli.effects.catalogue import CATALOGUE
-from coast_cli.effects.shapes.catalogue import SHAPE_CATALOGUE
+from coast_cli.effects.catalogue import CATALOGUE, effects_of
+from coast_cli.effects.effect import declared
 
 # What changes the response of the drive shown by less, in the whole of its range: the tubes are light, lengths are known.
 FAINT = {
@@ -27,7 +27,7 @@ def rows(ran):
     return json.loads(ran.out)["rows"]
 
 
-@pytest.mark.parametrize("name", [*dict.fromkeys([*CATALOGUE, *SHAPE_CATALOGUE])])
+@pytest.mark.parametrize("name", CATALOGUE)
 @pytest.mark.parametrize("width", ["20", "80"])
 def test_every_effect_has_a_page_that_fits(coast, monkeypatch, name, width):
     monkeypatch.setenv("COLUMNS", width)
@@ -35,15 +35,14 @@ def test_every_effect_has_a_page_that_fits(coast, monkeypatch, name, width):
     assert (ran.code, ran.err) == (0, "")
     assert max(map(len, ran.out.splitlines())) <= int(width)
     said = "".join(ran.out.split())
-    for catalogue in (CATALOGUE, SHAPE_CATALOGUE):
-        if name in catalogue:
-            effect = catalogue[name]
-            for part in (effect.title, effect.equation, effect.decided_by, effect.source):
-                assert "".join(part.split()) in said
-    assert ("Signature:" in said) == (name in CATALOGUE)
+    for recording in CATALOGUE[name].recordings:
+        effect = declared(CATALOGUE[name], recording)
+        for part in (effect.title, effect.equation, effect.decided_by, effect.source):
+            assert "".join(part.split()) in said
+    assert ("Signature:" in said) == ("joint" in CATALOGUE[name].recordings)
 
 
-@pytest.mark.parametrize("name", CATALOGUE)
+@pytest.mark.parametrize("name", effects_of("joint"))
 def test_a_signature_shows_what_the_effect_does(name):
     found = signature(CATALOGUE[name])
     assert (found.change >= SHOWN) == (name not in FAINT)
@@ -62,7 +61,7 @@ def test_a_signature_is_drawn(coast, tmp_path):
 
 def test_effects_are_listed_by_stage(coast):
     found = rows(coast("effects", "-f", "json"))
-    assert sorted(row["effect"] for row in found) == sorted({*CATALOGUE, *SHAPE_CATALOGUE})
+    assert sorted(row["effect"] for row in found) == sorted(CATALOGUE)
     stages = [row["stage"] for row in found]
     assert list(dict.fromkeys(stages)) == ["drive", "tendon", "transmission", "structure", "sensor"]
     assert {row["of"] for row in found} == {"a joint", "shapes", "both"}

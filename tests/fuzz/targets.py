@@ -227,11 +227,12 @@ def _config_seeds() -> list[bytes]:
 
 
 def _model_seeds() -> list[bytes]:
+    from coast_cli.effects.catalogue import CATALOGUE
     from coast_cli.effects.corrections import correction_parameters
 
     text = CONFIG.read_text(encoding="utf-8")
     tables = {}
-    for effect, parameters in correction_parameters().items():
+    for effect, parameters in correction_parameters(CATALOGUE).items():
         middle = {name: 0.5 * (low + high) for name, (low, high) in parameters.items()}
         tables[effect] = tomli_w.dumps({"corrections": {effect: middle}})
     single = [f"{text}\n{table}" for table in tables.values()]

@@ -10,7 +10,7 @@ import numpy as np
 
 from coast_cli.diagnosis.problem import Contender
 from coast_cli.diagnosis.space import BaseParameter, Coordinate, ParameterSpace
-from coast_cli.effects.catalogue import CATALOGUE
+from coast_cli.effects.catalogue import effects_of
 from coast_cli.effects.effect import Effect, Need, Parameter, Scale
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ def applicable(problem: JointProblem) -> list[type[Effect]]:
     left_out = problem.concealed | {effect.id for effect in problem.fixed_effects}
     return [
         effect
-        for effect in CATALOGUE.values()
+        for effect in effects_of("joint").values()
         if effect.id not in left_out
         and all(problem.holds.get(need, True) for need in effect.needs)
         and not any(parameter.role == "found" for parameter in effect.parameters)
@@ -86,7 +86,7 @@ def base_coordinates(base: Sequence[BaseParameter]) -> tuple[Coordinate, ...]:
 
 def _effect_coordinate(p: Parameter, value: float, problem: JointProblem) -> Coordinate:
     missing = p.needs is not None and not problem.holds.get(p.needs, True)
-    pinned = missing or p.role in ("run", "found")
+    pinned = missing or p.role not in ("size", "shape")
     value = p.null if missing else value
     span, shapes = p.high - p.low, p.role == "shape"
     return Coordinate(

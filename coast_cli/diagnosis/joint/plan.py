@@ -16,7 +16,7 @@ from coast_cli.diagnosis.joint.candidates import applicable, starts_of
 from coast_cli.diagnosis.joint.problem import JointProblem
 from coast_cli.diagnosis.joint.protocols import Bench, Protocol, candidates, expected
 from coast_cli.diagnosis.thresholds import EFFECT_NATS, SMALLEST
-from coast_cli.effects.catalogue import CATALOGUE
+from coast_cli.effects.catalogue import effects_of
 from coast_cli.effects.effect import Effect, Need
 
 if TYPE_CHECKING:
@@ -87,15 +87,13 @@ def outlook(problem: JointProblem, size: float = 5.0) -> list[Outlook]:
     scales = problem.scales()
     shapes = {
         identifier: [
-            view.shape(view.sized(start, size))
-            for start in starts_of(CATALOGUE[identifier], scales)
-            if np.any(view.raw(start))
+            view.shape(view.sized(start, size)) for start in starts_of(kind, scales) if np.any(view.raw(start))
         ]
-        for identifier in CATALOGUE
+        for identifier, kind in effects_of("joint").items()
         if identifier in usable
     }
     found = []
-    for identifier, kind in CATALOGUE.items():
+    for identifier, kind in effects_of("joint").items():
         if not shapes.get(identifier):
             found.append(Outlook(identifier, kind.component, None, _reason(kind, problem)))
             continue

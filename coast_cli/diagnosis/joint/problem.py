@@ -26,7 +26,7 @@ from coast_cli.diagnosis.thresholds import (
     SMOOTH_MISFIT_SHAPES,
 )
 from coast_cli.effects.catalogue import in_order
-from coast_cli.effects.effect import Effect, History, Need, Scale
+from coast_cli.effects.effect import Effect, History, Need, RecordingKind, Scale
 from coast_cli.effects.forward import Layout, Prediction, Tables, predict
 from coast_cli.effects.plateau import has_own_curve
 from coast_cli.mechanics.joint import Joint, curvature_from_stroke
@@ -109,6 +109,11 @@ class JointProblem:
     concealed: frozenset[str] = frozenset()
     given_noise: float | None = None
     faults: tuple[Faults, ...] = ()
+
+    @property
+    def recording(self) -> RecordingKind:
+        """Which side of an effect shows."""
+        return "joint"
 
     @cached_property
     def layouts(self) -> dict[str, Layout]:

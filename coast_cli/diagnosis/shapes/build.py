@@ -12,7 +12,9 @@ from coast_cli.diagnosis.shapes.forward import Forward
 from coast_cli.diagnosis.shapes.photograph import photographs, usual_sign
 from coast_cli.diagnosis.shapes.problem import ShapeProblem, TubeParameter
 from coast_cli.diagnosis.thresholds import CURVATURE_PRIOR, CURVATURE_TURN_PRIOR, END_EFFECT_SPREAD, MODULUS_PRIOR
-from coast_cli.effects.shapes.catalogue import build_shape_effects
+from coast_cli.effects.catalogue import build_effects
+from coast_cli.effects.effect import acting
+from coast_cli.effects.shape_stages import OnShapes
 
 if TYPE_CHECKING:
     from coast_cli.recordings.model import ShapeRun
@@ -52,7 +54,7 @@ def build_shape_problem(config: Config, runs: Sequence[ShapeRun], *, without: Se
             number: (f"{'outer' if number <= len(design.outer) else 'middle'}.samples.{tube.name}", tube)
             for number, tube in tubes.items()
         },
-        fixed_effects=build_shape_effects(config.corrections),
+        fixed_effects=tuple(acting(build_effects(config.corrections, "shapes"), OnShapes)),
         concealed=frozenset(without),
     )
     return with_ends_settled(problem)

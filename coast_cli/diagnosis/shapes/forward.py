@@ -14,7 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coast_cli.diagnosis.shapes.photograph import Photograph
-from coast_cli.effects.shape_effect import Loads, Pieces, ShapeEffect
+from coast_cli.effects.effect import acting
+from coast_cli.effects.shape_stages import Loads, OnBench, OnImage, OnPair, OnPieces, OnShapes, Pieces
+from coast_cli.effects.stages import OnTubes
 from coast_cli.mechanics.beam import solve_segments
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.mechanics.tube import NotchedTube
@@ -33,7 +35,7 @@ class State:
 
     modulus: Mapping[int, float]
     natural: Mapping[int, float]
-    effects: tuple[ShapeEffect, ...]
+    effects: tuple[OnShapes, ...]
     spread: Mapping[int, float]
 
 
@@ -130,8 +132,8 @@ class Forward:
     def _beam(self, index: int, state: State, layout: _Layout) -> _Beam:
         photograph = self.photographs[index]
         loads = Loads()
-        for effect in state.effects:
-            if photograph.is_pair or not effect.on_pairs:
+        for effect in acting(state.effects, OnBench):
+            if photograph.is_pair or not isinstance(effect, OnPair):
                 loads = effect.loads(loads)
         rigidity, weight, natural, sideways = (np.zeros(layout.length.size) for _ in range(4))
         offset = np.zeros(layout.length.size)
@@ -154,9 +156,9 @@ class Forward:
     def _tube_pieces(self, number: int, tube: NotchedTube, state: State) -> Pieces:
         """Return the pieces of a tube of unit modulus without its own natural curvature."""
         acting = tuple(
-            effect.spread(state.spread.get(number, 0.0))
+            effect.differing(state.spread.get(number, 0.0))
             for effect in state.effects
-            if effect.acts_on(number) and (effect.stage_overridden("geometry") or effect.stage_overridden("pieces"))
+            if effect.acts_on(number) and isinstance(effect, OnTubes | OnPieces)
         )
         key = (number, acting)
         if key not in self._pieces:
@@ -189,7 +191,7 @@ class Forward:
 
     def _seen(self, index: int, state: State, line: Line) -> Line:
         """Return the line as the camera shows it."""
-        seeing = [effect for effect in state.effects if effect.stage_overridden("see")]
+        seeing = acting(state.effects, OnImage)
         if not seeing:
             return line
         run = self.photographs[index].run
@@ -258,16 +260,16 @@ def _merged(columns: FloatArray, chosen: NDArray[np.int64] | None) -> FloatArray
     return np.concatenate((half[:, :1], cells - half[:, :-1] + half[:, 1:]), axis=1)
 
 
-def _pieces_of(tube: NotchedTube, effects: tuple[ShapeEffect, ...]) -> Pieces:
+def _pieces_of(tube: NotchedTube, effects: Sequence[OnShapes]) -> Pieces:
     tube = replace(tube, youngs_modulus=1.0)
-    for effect in effects:
+    for effect in acting(effects, OnTubes):
         tube = effect.geometry(tube)
     segments = tube.segments
     offset = np.zeros(segments.length.size)
     offset[1::2] = tube.notch.neutral_axis
     pieces = Pieces(segments.length, segments.rigidity, segments.weight, np.zeros(segments.length.size), offset)
-    for effect in effects:
-        pieces = effect.pieces(pieces)
+    for local in acting(effects, OnPieces):
+        pieces = local.pieces(pieces)
     return pieces
 
 

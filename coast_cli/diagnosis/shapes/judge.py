@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -49,9 +49,9 @@ from coast_cli.diagnosis.thresholds import (
     POINTS_DOUBT,
     SAMPLES_A_PARAMETER,
 )
-from coast_cli.effects.effect import Effect
+from coast_cli.effects.effect import Effect, acting, declared
 from coast_cli.effects.library.local_stiffness_defect import LocalStiffnessDefect
-from coast_cli.effects.shape_effect import TUBE, ShapeEffect
+from coast_cli.effects.shape_stages import TUBE, OnShapes
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.recordings.noise import NoiseEstimate
 from coast_cli.units import MILLIMETRE
@@ -86,7 +86,7 @@ def diagnose_shapes(
     problem = whole.only(kept_back.fitted)
     if problem.size < max(FEWEST_POINTS, SAMPLES_A_PARAMETER * problem.free):
         reason = f"only {problem.size} points can be fitted"
-        return Diagnosis("insufficient", reason, 0.0, UNIT, next_recording=next_photograph(problem))
+        return Diagnosis("insufficient", reason, 0.0, UNIT, next_recording=next_photograph(problem), recording="shapes")
     shown = whole if kept_back.chosen else problem
     estimate = points_noise(shown, fit(shown, until="fine"))
     floor = max(estimate.level * float(np.exp(min(estimate.log_level_std, POINTS_DOUBT))), 1e-9)
@@ -148,7 +148,7 @@ class ShapeCase(_Estimated, Case):
 
     def chosen(self, effect: Effect) -> dict[str, Value]:
         """Return the tube that an effect was chosen to sit on."""
-        if TUBE not in effect.parameters:
+        if TUBE not in effect.parameters_on("shapes"):
             return {}
         return {TUBE.name: Value(float(getattr(effect, TUBE.name, 0.0)), 0.0, at_bound=False)}
 
@@ -205,7 +205,7 @@ class ShapeCase(_Estimated, Case):
         """Return the photographs that would settle what is open."""
         missing = next_photograph(self.problem)
         if ruling.verdict == "ambiguous":
-            return missing or self.first_effect().decided_by
+            return missing or declared(self.first_effect(), "shapes").decided_by
         if ruling.verdict == "unexplained":
             return missing or SAME_TUBE_AGAIN
         if ruling.verdict == "parameters" and not self.leading.ids and self.modulus_alone:
@@ -225,8 +225,8 @@ class ShapeCase(_Estimated, Case):
         return (*notes, *spread_note(self.problem, final))
 
 
-def _shape_effects(fitted: Fit) -> tuple[ShapeEffect, ...]:
-    return cast("tuple[ShapeEffect, ...]", fitted.effects)
+def _shape_effects(fitted: Fit) -> tuple[OnShapes, ...]:
+    return tuple(acting(fitted.effects, OnShapes))
 
 
 def unseen_points_are_missed(case: ShapeCase) -> Ruling | None:

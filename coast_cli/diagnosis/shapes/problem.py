@@ -35,8 +35,10 @@ from coast_cli.diagnosis.thresholds import (
     SMALLEST,
     SMALLEST_PART,
 )
-from coast_cli.effects.shape_effect import Scene, ShapeEffect
-from coast_cli.effects.shapes.catalogue import SHAPE_CATALOGUE, in_order
+from coast_cli.effects.catalogue import effects_of, in_order
+from coast_cli.effects.effect import RecordingKind, acting, declared
+from coast_cli.effects.shape_stages import OnPair, OnShapes, Photographed
+from coast_cli.effects.stages import OnTubes
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.mechanics.tube import NotchedTube
 from coast_cli.units import GIGAPASCAL, MILLIMETRE
@@ -89,9 +91,14 @@ class ShapeProblem:
     modulus: Mapping[int, float]
     natural: Mapping[int, float]
     stock: Mapping[int, tuple[str, NotchedTube]]
-    fixed_effects: tuple[ShapeEffect, ...]
+    fixed_effects: tuple[OnShapes, ...]
     noise: float = 1e-4
     concealed: frozenset[str] = frozenset()
+
+    @property
+    def recording(self) -> RecordingKind:
+        """Which side of an effect shows."""
+        return "shapes"
 
     @property
     def photographs(self) -> tuple[Photograph, ...]:
@@ -111,11 +118,11 @@ class ShapeProblem:
         return sum(parameter.quantity != "spread" for parameter in self.base)
 
     @cached_property
-    def scene(self) -> Scene:
+    def scene(self) -> Photographed:
         """What there is to choose starts from."""
         tubes = {number: tube for photograph in self.photographs for number, tube in photograph.tubes}
         weights = [float(t.segments.weight @ t.segments.length) * self.forward.gravity for t in tubes.values()]
-        return Scene(
+        return Photographed(
             tubes={number: tubes[number].name for number in sorted(tubes)},
             alone=frozenset(photograph.tubes[0][0] for photograph in self.photographs if not photograph.is_pair),
             length=max(photograph.length for photograph in self.photographs),
@@ -175,9 +182,7 @@ class ShapeProblem:
         pairs = zip(self.base, coordinates.tolist(), strict=True)
         return {p.tubes[0]: c for p, c in pairs if p.quantity == "spread"}
 
-    def corrected_tubes(
-        self, coordinates: FloatArray, effects: Sequence[ShapeEffect]
-    ) -> dict[str, float | list[float]]:
+    def corrected_tubes(self, coordinates: FloatArray, effects: Sequence[OnShapes]) -> dict[str, float | list[float]]:
         """Return what effects change in the tubes as numbers of the configuration, by key: depths, and extra cut lengths.
 
         Effects that are ``of_stock`` are in these numbers; the others are not.
@@ -185,9 +190,9 @@ class ShapeProblem:
         spread, found = self.spreads(coordinates), {}
         for number, (key, tube) in self.stock.items():
             whole = rest = tube
-            for effect in in_order((*self.fixed_effects, *effects)):
+            for effect in acting(in_order((*self.fixed_effects, *effects)), OnTubes):
                 if effect.acts_on(number):
-                    whole = effect.spread(spread.get(number, 0.0)).geometry(whole)
+                    whole = effect.differing(spread.get(number, 0.0)).geometry(whole)
                     stays = effect in self.fixed_effects or not effect.of_stock
                     rest = effect.geometry(rest) if stays else rest
             if np.any(whole.depth != rest.depth):
@@ -295,12 +300,10 @@ class ShapeProblem:
         )
         return ParameterSpace(base, tuple(effects), tuple(self._owned(effect) for effect in effects))
 
-    def _owned(self, effect: ShapeEffect) -> tuple[Coordinate, ...]:
+    def _owned(self, effect: OnShapes) -> tuple[Coordinate, ...]:
         found = []
         numbers = zip(effect.fitted(), effect.fitted_values(), effect.widths(self.scene).tolist(), strict=True)
         for p, value, width in numbers:
-            logarithmic = p.name in effect.logarithmic
-            expected = effect.expected.get(p.name)
             found.append(
                 Coordinate(
                     name=p.name,
@@ -309,10 +312,10 @@ class ShapeProblem:
                     high=p.high,
                     width=width,
                     scale=width,
-                    mean=None if expected is None else expected[0],
-                    null=float(np.log(value)) if logarithmic else p.null,
+                    mean=None if p.expected is None else p.expected[0],
+                    null=float(np.log(value)) if p.logarithmic else p.null,
                     reach=_REACH * width,
-                    logarithmic=logarithmic,
+                    logarithmic=p.logarithmic,
                 )
             )
         return tuple(found)
@@ -321,13 +324,15 @@ class ShapeProblem:
         """Return what may be added to a set: of each effect the starts that let tubes differ stand by themselves."""
         taken = {effect.id for effect in parent} | self.carried | self.concealed
         found = []
-        for kind in SHAPE_CATALOGUE.values():
-            if kind.id in taken or (kind.on_pairs and not self.scene.pairs):
+        for kind in shape_effects():
+            if kind.id in taken or (issubclass(kind, OnPair) and not self.scene.pairs):
                 continue
-            groups: dict[float, list[ShapeEffect]] = {}
+            groups: dict[float, list[OnShapes]] = {}
             for start in kind.starts(self.scene):
                 groups.setdefault(float(getattr(start, "by_tube", 0.0)), []).append(start)
-            found += [Contender(tuple(starts), expected=kind.rarity < 0.0) for starts in groups.values()]
+            found += [
+                Contender(tuple(starts), expected=declared(kind, "shapes").unlikely < 0.0) for starts in groups.values()
+            ]
         return found
 
     def ordered(self, effects: Sequence[Any]) -> tuple[Any, ...]:
@@ -351,11 +356,13 @@ class ShapeProblem:
         """Return by how much a set starts behind; that tubes differ from what all have is one more thing to be believed."""
         chosen = sum(1 for effect in effects if getattr(effect, "tube", 0.0))
         penalty = chosen * float(np.log(max(len(self.scene.tubes), 1)))
-        return penalty + float(sum(effect.rarity + EFFECT_NATS * getattr(effect, "by_tube", 0.0) for effect in effects))
+        return penalty + float(
+            sum(declared(e, "shapes").unlikely + EFFECT_NATS * getattr(e, "by_tube", 0.0) for e in effects)
+        )
 
     def most_effects(self) -> int:
         """Return how many effects can be supported: as many as are asked for."""
-        return len(SHAPE_CATALOGUE)
+        return len(shape_effects())
 
     def is_needed(self, larger: Fit, smaller: Fit, base: Fit) -> bool:
         """Return whether a larger set changes the shape enough, or the few residuals along it."""
@@ -369,9 +376,14 @@ class ShapeProblem:
         return replace(self, train=tuple(train))
 
 
-def _touches(effect: ShapeEffect, photograph: Photograph) -> bool:
+def shape_effects() -> list[type[OnShapes]]:
+    """Return the effects that photographs can show, in the order in which they act."""
+    return [kind for kind in effects_of("shapes").values() if issubclass(kind, OnShapes)]
+
+
+def _touches(effect: OnShapes, photograph: Photograph) -> bool:
     """Return whether an effect changes a photograph."""
-    if effect.on_pairs and not photograph.is_pair:
+    if isinstance(effect, OnPair) and not photograph.is_pair:
         return False
     return any(effect.acts_on(number) for number, _ in photograph.tubes)
 

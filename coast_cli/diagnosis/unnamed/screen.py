@@ -9,7 +9,7 @@ colour sent through the very same cells, so that the rate of false alarms is set
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -19,6 +19,7 @@ from coast_cli.diagnosis.fit import Fit
 from coast_cli.diagnosis.noise_model import NOISE_COLOURS
 from coast_cli.diagnosis.unnamed.cells import Cell, Scene, cells_of
 from coast_cli.effects.effect import Effect, History, Segment
+from coast_cli.effects.stages import OnBranches, OnDrive, OnLoadCell, OnSensor, OnStructure, OnTransmission
 from coast_cli.effects.unnamed import Place
 from coast_cli.mechanics.joint import Joint
 from coast_cli.mechanics.section import FloatArray
@@ -41,8 +42,18 @@ _PROBES: dict[Place, float] = {
 }
 
 
+_STAGES: Mapping[Place, tuple[type[Effect], ...]] = {
+    "drive": (OnDrive,),
+    "tendon": (OnDrive,),
+    "transmission": (OnTransmission, OnBranches),
+    "structure": (OnStructure, OnBranches),
+    "sensor": (OnSensor,),
+    "load_cell": (OnLoadCell,),
+}
+
+
 @dataclass(frozen=True)
-class Probe(Effect):
+class Probe(OnDrive, OnTransmission, OnStructure, OnSensor, OnLoadCell):
     """One unit added at a stage, for derivatives."""
 
     place: Place
@@ -53,34 +64,31 @@ class Probe(Effect):
     stage = "structure"
     parameters = ()
 
-    @property
-    def shapes_branches(self) -> bool:
-        """Whether the probe is part of the tabulated branches."""
-        return self.place in ("transmission", "structure")
+    def acts_at(self, stage: type[Effect]) -> bool:
+        """Return whether the probe acts at a stage: its own place alone."""
+        return stage in _STAGES[self.place]
 
     def drive(self, history: History) -> History:
         """Add to the stroke (mm), or to the tension where that drives."""
-        if self.place not in ("drive", "tendon"):
-            return history
         if history.stroke is not None:
             return _moved(history, stroke=history.stroke + self.amount * MILLIMETRE)
         return _moved(history, tension=history.drive + self.amount)
 
     def friction(self, direction: int, joint: Joint, bending_length: float) -> float:
         """Add to ln of the tension ratio."""
-        return self.amount if self.place == "transmission" else 0.0
+        return self.amount
 
     def moment(self, moment: FloatArray, curvature: FloatArray, direction: int, segment: Segment) -> FloatArray:
         """Add the moment of one 1/m."""
-        return moment + self.amount * segment.rigidity if self.place == "structure" else moment
+        return moment + self.amount * segment.rigidity
 
     def sense(self, response: FloatArray, history: History) -> FloatArray:
         """Add to the response."""
-        return response + self.amount if self.place == "sensor" else response
+        return response + self.amount
 
     def weigh(self, tension: FloatArray, history: History) -> FloatArray:
         """Add to the tension read."""
-        return tension + self.amount if self.place == "load_cell" else tension
+        return tension + self.amount
 
 
 def _moved(history: History, *, stroke: FloatArray | None = None, tension: FloatArray | None = None) -> History:

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from coast_cli.effects.effect import Effect, History, Parameter
+from coast_cli.effects.effect import History, Parameter
 from coast_cli.effects.memory import follow
+from coast_cli.effects.stages import OnDrive
 from coast_cli.units import MILLIMETRE
 
 
 @dataclass(frozen=True)
-class Backlash(Effect):
+class Backlash(OnDrive):
     """Lost stroke at each reversal."""
 
     width_mm: float = 0.0
@@ -22,7 +23,6 @@ class Backlash(Effect):
     id = "backlash"
     title = "play in the actuator"
     component = "actuator"
-    stage = "drive"
     equation = "x(t) = clip(x(t-), X1(t), X1(t) + width)"
     source = "play operator: Krasnosel'skii and Pokrovskii, Systems with Hysteresis (1989), ch. 2"
     parameters = (

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from coast_cli.effects.effect import Parameter
-from coast_cli.effects.shape_effect import Loads, ShapeEffect
+from coast_cli.effects.shape_stages import Loads, OnBench
 from coast_cli.units import DEGREE
 
 
 @dataclass(frozen=True)
-class BaseTilt(ShapeEffect):
+class BaseTilt(OnBench):
     """Angle of the clamped tangent, positive upward."""
 
     angle_deg: float = 0.0
@@ -18,7 +18,6 @@ class BaseTilt(ShapeEffect):
     id = "base_tilt"
     title = "the clamp holds the tube at an angle"
     component = "clamp"
-    stage = "structure"
     scope = "bench"
     equation = "theta(0) = angle"
     source = "boundary condition of P (3)-(7)"

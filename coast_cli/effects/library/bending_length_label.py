@@ -6,12 +6,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from coast_cli.effects.effect import RUN, Effect, History, Parameter
+from coast_cli.effects.effect import RUN, History, Parameter
+from coast_cli.effects.stages import OnDrive
 from coast_cli.units import MILLIMETRE
 
 
 @dataclass(frozen=True)
-class BendingLengthLabel(Effect):
+class BendingLengthLabel(OnDrive):
     """X2 of one run alone."""
 
     run: float = 0.0
@@ -21,7 +22,6 @@ class BendingLengthLabel(Effect):
     title = "one run's bending length is not what its column says"
     component = "record (one run)"
     kind = "sensor"
-    stage = "drive"
     scope = "bench"
     equation = "in that run: X2 -> X2 + error"
     source = "transcription errors in records: ISO 5725-2 (2019), sec. 7.2.5"

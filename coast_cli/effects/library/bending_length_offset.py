@@ -6,12 +6,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from coast_cli.effects.effect import Effect, History, Parameter
+from coast_cli.effects.effect import History, Parameter
+from coast_cli.effects.stages import OnDrive
 from coast_cli.units import MILLIMETRE
 
 
 @dataclass(frozen=True)
-class BendingLengthOffset(Effect):
+class BendingLengthOffset(OnDrive):
     """A constant error of X2."""
 
     offset_mm: float = 0.0
@@ -19,7 +20,6 @@ class BendingLengthOffset(Effect):
     id = "bending_length_offset"
     title = "inner tube's tip off its nominal place"
     component = "inner tube"
-    stage = "drive"
     equation = "X2 -> X2 + offset"
     source = "zeroing of the inner tube's stage; physics.md, controls"
     parameters = (Parameter("offset_mm", 0.0, -8.0, 8.0, (1.0, -1.0), "a few pitches"),)

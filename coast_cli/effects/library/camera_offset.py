@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from coast_cli.effects.effect import Effect, History, Parameter
+from coast_cli.effects.effect import History, Parameter
+from coast_cli.effects.stages import OnSensor
 from coast_cli.mechanics.section import FloatArray
 
 
 @dataclass(frozen=True)
-class CameraOffset(Effect):
+class CameraOffset(OnSensor):
     """A constant added to the response, in its SI unit (1/m, or rad where the response is an angle)."""
 
     offset: float = 0.0
@@ -18,7 +19,6 @@ class CameraOffset(Effect):
     title = "camera zero is off"
     component = "camera"
     kind = "sensor"
-    stage = "sensor"
     scope = "camera"
     equation = "response -> response + offset"
     source = "zero of the angle or circle fit on the straight segment"

@@ -6,14 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coast_cli.effects.effect import Effect, History, Parameter
+from coast_cli.effects.effect import History, Parameter
+from coast_cli.effects.stages import OnSensor
 from coast_cli.mechanics.section import FloatArray
 
 _NONE = 1e3
 
 
 @dataclass(frozen=True)
-class CameraSaturation(Effect):
+class CameraSaturation(OnSensor):
     """A largest response that can be seen."""
 
     level: float = _NONE
@@ -22,7 +23,6 @@ class CameraSaturation(Effect):
     title = "the response ends where the view ends"
     component = "camera"
     kind = "sensor"
-    stage = "sensor"
     scope = "camera"
     equation = "response -> min(response, level)"
     source = "clipping of a sensor's range: Fraden, Handbook of Modern Sensors (2016), sec. 3.5"

@@ -8,12 +8,12 @@ from typing import Self
 import numpy as np
 
 from coast_cli.effects.effect import Parameter
-from coast_cli.effects.shape_effect import ShapeEffect
+from coast_cli.effects.shape_stages import OnImage
 from coast_cli.mechanics.section import FloatArray
 
 
 @dataclass(frozen=True)
-class CameraTilt(ShapeEffect):
+class CameraTilt(OnImage):
     """Heights foreshortened, and all sizes falling with the distance along x."""
 
     foreshortening: float = 0.0
@@ -23,7 +23,6 @@ class CameraTilt(ShapeEffect):
     title = "the camera looks at an angle"
     component = "camera"
     kind = "sensor"
-    stage = "sensor"
     scope = "camera"
     equation = "(x, y) -> (x, (1 - foreshortening) y) / (1 + perspective x)"
     source = "pinhole camera, to first order in the tilt about each axis"
@@ -31,7 +30,7 @@ class CameraTilt(ShapeEffect):
         Parameter("foreshortening", 0.0, -0.3, 0.3, (0.02, -0.02), "1 - cosine of the tilt about the tube's axis"),
         Parameter("perspective_per_m", 0.0, -4.0, 4.0, (0.0, 0.2, -0.2), "tilt over the camera's distance"),
     )
-    rarity = 3.0
+    unlikely = 3.0
     decided_by = "a grid in the plane of the tube, in the same picture"
 
     @classmethod

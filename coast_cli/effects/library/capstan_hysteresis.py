@@ -10,12 +10,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coast_cli.effects.effect import Effect, Parameter
+from coast_cli.effects.effect import Parameter
+from coast_cli.effects.stages import OnTransmission
 from coast_cli.mechanics.joint import Joint
 
 
 @dataclass(frozen=True)
-class CapstanHysteresis(Effect):
+class CapstanHysteresis(OnTransmission):
     """Friction of the whole tendon path that reverses with its motion."""
 
     pulley_friction: float = 0.0
@@ -25,7 +26,6 @@ class CapstanHysteresis(Effect):
     id = "capstan_hysteresis"
     title = "tendon friction turns round with the motion"
     component = "pulleys, notches"
-    stage = "transmission"
     equation = "load: F = e^phi F_seg; release: F = e^(phi - 2 h) F_seg, h = pulley_friction alpha + exponent X2/pitch"
     source = "capstan equation (Euler-Eytelwein); P (10)-(11), release observed but not modelled"
     parameters = (

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from coast_cli.effects.effect import Effect, Parameter
-from coast_cli.effects.tubes import map_tubes
+from coast_cli.effects.effect import Parameter
+from coast_cli.effects.stages import OnTubes
 from coast_cli.mechanics.joint import Joint
 from coast_cli.mechanics.tube import NotchedTube
 
+_FROM = "0 for radial walls, 1 for a flat cut"
+
 
 @dataclass(frozen=True)
-class ChordSection(Effect):
+class ChordSection(OnTubes):
     """The share of the change from sector to chord compliance; 1 is the whole of it."""
 
     share: float = 0.0
@@ -19,21 +21,33 @@ class ChordSection(Effect):
     id = "chord_section"
     title = "straight cut: chord section"
     component = "tube"
-    stage = "structure"
     equation = "1/EI = (1 - share)/EI_sector + share/EI_chord"
     source = "physics.md, section, second trap; exact circular segments"
-    parameters = (Parameter("share", 0.0, 0.0, 1.5, (1.0,), "0 for radial walls, 1 for a flat cut"),)
+    parameters = (Parameter("share", 0.0, 0.0, 1.5, (1.0,), _FROM),)
     needs = ("pairs",)
     decided_by = "the same sweep with a second pair of another notch depth"
+    on_shapes = {
+        "parameters": (Parameter("share", 0.0, 0.0, 1.5, (1.0,), _FROM, expected=(1.0, 0.1)),),
+        "needs": (),
+        "unlikely": -2.0,
+        "decided_by": "tubes of two or more notch depths, each both ways up; or a section under a microscope",
+    }
+
+    def geometry(self, tube: NotchedTube) -> NotchedTube:
+        """Take the chord section, its compliance brought to the share by the length that bends."""
+        if self.share == 0.0 or tube.section == "chord":
+            return tube
+        chord = replace(tube, section="chord")
+        ratio = chord.notch.second_moment / tube.notch.second_moment
+        wanted = (1.0 - self.share) * ratio + self.share
+        return replace(chord, end_length=wanted * (tube.cut + tube.end_length) - tube.cut)
 
     def joint(self, joint: Joint) -> Joint:
-        """Soften each tube towards its chord section, by an equivalent end length of its cuts."""
-        if self.share == 0.0:
-            return joint
+        """Soften each tube of a joint by an equivalent end length of its cuts; its tendon keeps its lever arm."""
+        outer = None if joint.outer is None else self._softer(joint.outer)
+        return replace(joint, outer=outer, middle=self._softer(joint.middle)) if self.share else joint
 
-        def soften(tube: NotchedTube) -> NotchedTube:
-            chord = replace(tube, section="chord").notch.second_moment
-            softer = self.share * (tube.notch.second_moment / chord - 1.0)
-            return replace(tube, end_length=tube.end_length + softer * (tube.cut + tube.end_length))
-
-        return map_tubes(joint, soften)
+    def _softer(self, tube: NotchedTube) -> NotchedTube:
+        chord = replace(tube, section="chord").notch.second_moment
+        softer = self.share * (tube.notch.second_moment / chord - 1.0)
+        return replace(tube, end_length=tube.end_length + softer * (tube.cut + tube.end_length))

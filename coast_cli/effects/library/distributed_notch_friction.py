@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from coast_cli.effects.effect import Effect, Parameter
+from coast_cli.effects.effect import Parameter
+from coast_cli.effects.stages import OnTransmission
 
 
 @dataclass(frozen=True)
-class DistributedNotchFriction(Effect):
+class DistributedNotchFriction(OnTransmission):
     """Capstan friction at each notch edge, by the angle that the notch has bent."""
 
     coefficient: float = 0.0
@@ -17,7 +18,6 @@ class DistributedNotchFriction(Effect):
     id = "distributed_notch_friction"
     title = "friction at the notches grows with their bend"
     component = "notches"
-    stage = "transmission"
     equation = "F_i = F exp(-+ coefficient (sum_(j<i) theta_j + own_share theta_i)), minus on load, plus on release"
     source = "physics.md, sizes worth knowing: a constant eta is right at one curvature only; mu 0.1 to 0.4"
     parameters = (

@@ -7,11 +7,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from coast_cli.effects.effect import Effect, Parameter
+from coast_cli.effects.effect import Parameter
+from coast_cli.effects.stages import OnSensor
 
 
 @dataclass(frozen=True)
-class FrozenFrames(Effect):
+class FrozenFrames(OnSensor):
     """The fraction of rows that repeat the frame before them."""
 
     fraction: float = 0.0
@@ -20,7 +21,6 @@ class FrozenFrames(Effect):
     title = "frames repeat in bursts"
     component = "camera"
     kind = "sensor"
-    stage = "sensor"
     scope = "camera"
     equation = "response(t) = response at the last frame that was new"
     source = "repeated values in telemetry: NIST/SEMATECH e-Handbook of Statistical Methods, sec. 4.4.4"

@@ -6,14 +6,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from coast_cli.effects.effect import Effect, History, Parameter
+from coast_cli.effects.effect import History, Parameter
+from coast_cli.effects.stages import OnDrive
 from coast_cli.units import MILLIMETRE
 
 SCREW_PITCH = 25.4e-3 / 40.0  # 40 threads an inch (physics.md)
 
 
 @dataclass(frozen=True)
-class LeadscrewPitchError(Effect):
+class LeadscrewPitchError(OnDrive):
     """Periodic stroke error, in a sine and a cosine part so that the fit is linear in both."""
 
     sine_mm: float = 0.0
@@ -22,7 +23,6 @@ class LeadscrewPitchError(Effect):
     id = "leadscrew_pitch_error"
     title = "periodic error of the lead screw"
     component = "actuator"
-    stage = "drive"
     equation = "x = X1 + sine sin(2 pi X1 / p) + cosine cos(2 pi X1 / p), p = 0.635 mm"
     source = "screw of 40 threads an inch; drunken-thread error, Slocum, Precision Machine Design (1992), sec. 10.8"
     parameters = (

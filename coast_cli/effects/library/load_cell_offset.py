@@ -6,12 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coast_cli.effects.effect import Effect, History, Parameter
+from coast_cli.effects.effect import History, Parameter
+from coast_cli.effects.stages import OnLoadCell
 from coast_cli.mechanics.section import FloatArray
 
 
 @dataclass(frozen=True)
-class LoadCellOffset(Effect):
+class LoadCellOffset(OnLoadCell):
     """A constant on the tension that is read."""
 
     offset_n: float = 0.0
@@ -20,7 +21,6 @@ class LoadCellOffset(Effect):
     title = "load cell is not zeroed"
     component = "load cell"
     kind = "sensor"
-    stage = "sensor"
     scope = "bench"
     equation = "tension read = tension + offset"
     source = "static characteristics of force transducers: ISO 376 (2011)"

@@ -6,12 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coast_cli.effects.effect import Effect, History, Parameter
+from coast_cli.effects.effect import History, Parameter
+from coast_cli.effects.stages import OnLoadCell
 from coast_cli.mechanics.section import FloatArray
 
 
 @dataclass(frozen=True)
-class LoadCellScale(Effect):
+class LoadCellScale(OnLoadCell):
     """A factor on the tension that is read."""
 
     scale: float = 1.0
@@ -20,7 +21,6 @@ class LoadCellScale(Effect):
     title = "load cell reads in another scale"
     component = "load cell"
     kind = "sensor"
-    stage = "sensor"
     scope = "bench"
     equation = "tension read = scale tension"
     source = "static characteristics of force transducers: ISO 376 (2011)"

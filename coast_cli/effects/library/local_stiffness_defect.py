@@ -8,7 +8,7 @@ from typing import Self
 import numpy as np
 
 from coast_cli.effects.effect import Parameter
-from coast_cli.effects.shape_effect import TUBE, Pieces, Scene, ShapeEffect
+from coast_cli.effects.shape_stages import TUBE, OnPieces, Photographed, Pieces
 from coast_cli.units import MILLIMETRE
 
 _PLACES = 24
@@ -16,7 +16,7 @@ _SHORT, _LONG = 1.0 / 150.0, 1.0 / 25.0  # of the tube
 
 
 @dataclass(frozen=True)
-class LocalStiffnessDefect(ShapeEffect):
+class LocalStiffnessDefect(OnPieces):
     """Rigidity times a ratio over a short length round an arc length."""
 
     arc_length_mm: float = 0.0
@@ -27,33 +27,38 @@ class LocalStiffnessDefect(ShapeEffect):
     id = "local_stiffness_defect"
     title = "one place softer or stiffer"
     component = "notch"
-    stage = "structure"
     equation = "1/EI(s) -> 1/EI(s) + (1/ratio - 1)/EI_series for |s - arc_length| < length/2"
     source = "a cracked or burnt strip, solder or glue in a few notches"
     parameters = (
         Parameter("arc_length_mm", 0.0, 0.0, 5000.0, (1.0,), "anywhere on the tube"),
-        Parameter("stiffness_ratio", 1.0, 0.01, 50.0, (0.3, 8.0), "from a strip nearly through to a filled notch"),
-        Parameter("length_mm", 0.6, 0.05, 200.0, (1.0,), "one pitch to a few"),
+        Parameter(
+            "stiffness_ratio",
+            1.0,
+            0.01,
+            50.0,
+            (0.3, 8.0),
+            "from a strip nearly through to a filled notch",
+            logarithmic=True,
+        ),
+        Parameter("length_mm", 0.6, 0.05, 200.0, (1.0,), "one pitch to a few", logarithmic=True),
         TUBE,
     )
-    of_one_tube = True
     is_local = True
-    logarithmic = ("stiffness_ratio", "length_mm")
     decided_by = "the same tube clamped further along, so that the place moves in the picture"
 
     @classmethod
-    def starts(cls, scene: Scene) -> list[Self]:
+    def starts(cls, seen: Photographed) -> list[Self]:
         """Return soft spots and stiff stretches at many places, on every tube."""
-        length = scene.length / MILLIMETRE
+        length = seen.length / MILLIMETRE
         places = (np.arange(_PLACES) + 0.5) / _PLACES * length
-        tubes = sorted(map(float, scene.alone)) if len(scene.tubes) > 1 else [0.0] * len(scene.alone)
+        tubes = sorted(map(float, seen.alone)) if len(seen.tubes) > 1 else [0.0] * len(seen.alone)
         kinds = ((0.3, _SHORT * length), (8.0, _LONG * length))
         return [cls(float(p), ratio, width, tube) for tube in tubes for ratio, width in kinds for p in places]
 
     @classmethod
-    def widths(cls, scene: Scene) -> np.ndarray:
+    def widths(cls, seen: Photographed) -> np.ndarray:
         """Return the prior widths: the whole tube, and factors."""
-        length = scene.length / MILLIMETRE
+        length = seen.length / MILLIMETRE
         return np.array([length, 1.5, 1.5])
 
     @classmethod

@@ -6,14 +6,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from coast_cli.effects.effect import Effect, History, Parameter
+from coast_cli.effects.effect import History, Parameter
+from coast_cli.effects.stages import OnDrive
 from coast_cli.units import MILLIMETRE
 
 _EDGE = 0.002  # of the recording's duration, over which the loss is spread so that its moment can be fitted
 
 
 @dataclass(frozen=True)
-class LostSteps(Effect):
+class LostSteps(OnDrive):
     """Stroke that is missing from one moment on."""
 
     lost_mm: float = 0.0
@@ -22,7 +23,6 @@ class LostSteps(Effect):
     id = "lost_steps"
     title = "motor loses steps"
     component = "actuator"
-    stage = "drive"
     scope = "bench"
     equation = "X1 -> X1 - lost from time_s on"
     source = "stall of stepping motors: Acarnley, Stepping Motors (2002), ch. 5"

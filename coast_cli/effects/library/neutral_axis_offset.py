@@ -9,11 +9,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from coast_cli.effects.effect import Parameter
-from coast_cli.effects.shape_effect import Loads, ShapeEffect
+from coast_cli.effects.shape_stages import Loads, OnBench
 
 
 @dataclass(frozen=True)
-class NeutralAxisOffset(ShapeEffect):
+class NeutralAxisOffset(OnBench):
     """The offset as a share of the section's ybar; 1 is what beam theory says."""
 
     share: float = 0.0
@@ -21,12 +21,10 @@ class NeutralAxisOffset(ShapeEffect):
     id = "neutral_axis_offset"
     title = "the strip bends about its own axis"
     component = "tube"
-    stage = "structure"
     equation = "ds' = (1 - share ybar kappa) ds on cuts, kappa towards the notch"
     source = "section.py: neutral_axis, P (1); kinematics of plane sections"
-    parameters = (Parameter("share", 0.0, 0.0, 2.0, (1.0,), "1: as the section has it"),)
-    expected = {"share": (1.0, 0.2)}
-    rarity = -2.0
+    parameters = (Parameter("share", 0.0, 0.0, 2.0, (1.0,), "1: as the section has it", expected=(1.0, 0.2)),)
+    unlikely = -2.0
     decided_by = "the same tube turned over: one way it lengthens, the other way it shortens"
 
     def loads(self, loads: Loads) -> Loads:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from coast_cli.effects.effect import Effect, Parameter, Segment
+from coast_cli.effects.effect import Parameter, Segment
 from coast_cli.effects.knee import past
+from coast_cli.effects.stages import OnStructure
 from coast_cli.mechanics.section import FloatArray
 
 
 @dataclass(frozen=True)
-class NotchClosure(Effect):
+class NotchClosure(OnStructure):
     """Contact stiffness past a closing curvature."""
 
     closure_ratio: float = 1.0
@@ -20,7 +21,6 @@ class NotchClosure(Effect):
     id = "notch_closure"
     title = "notch faces touch"
     component = "notches"
-    stage = "structure"
     equation = "M = EI (kappa + added_stiffness past(kappa, closure_ratio kappa_n)), kappa_n pitch = cut/(ro + ybar)"
     source = "physics.md, sizes worth knowing: notch faces touch at cut/(ro + ybar)"
     parameters = (

@@ -7,13 +7,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from coast_cli.effects.effect import Parameter
-from coast_cli.effects.shape_effect import TUBE, ShapeEffect
+from coast_cli.effects.shape_stages import TUBE
+from coast_cli.effects.stages import OnTubes
 from coast_cli.mechanics.tube import NotchedTube
 from coast_cli.units import MICROMETRE
 
 
 @dataclass(frozen=True)
-class NotchDepthError(ShapeEffect):
+class NotchDepthError(OnTubes):
     """The same error of depth at every notch of one tube, or of all; positive is deeper."""
 
     depth_um: float = 0.0
@@ -23,12 +24,13 @@ class NotchDepthError(ShapeEffect):
     title = "the cut is deeper or shallower than specified"
     component = "tube"
     kind = "parameter"
-    stage = "structure"
     equation = "d -> d + depth"
     source = "P blames machining tolerances; notch depth +-0.01 to 0.02 mm"
-    parameters = (Parameter("depth_um", 0.0, -80.0, 80.0, (5.0, -5.0), "tolerance 10 to 20 micrometres"), TUBE)
-    expected = {"depth_um": (0.0, 15.0)}
-    of_one_tube = True
+    parameters = (
+        Parameter("depth_um", 0.0, -80.0, 80.0, (5.0, -5.0), "tolerance 10 to 20 micrometres", expected=(0.0, 15.0)),
+        TUBE,
+    )
+    recordings = ("shapes",)  # on a joint it hides in the modulus
     of_stock = True
     decided_by = "the same load on tubes of other depths, both ways up; or the depth measured under a microscope"
 

@@ -6,12 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coast_cli.effects.effect import Effect, History, Parameter
+from coast_cli.effects.effect import History, Parameter
+from coast_cli.effects.stages import OnSensor
 from coast_cli.mechanics.section import FloatArray
 
 
 @dataclass(frozen=True)
-class PeriodicDisturbance(Effect):
+class PeriodicDisturbance(OnSensor):
     """A wave in the response, in a sine and a cosine part so that the fit is linear in both."""
 
     sine: float = 0.0
@@ -22,7 +23,6 @@ class PeriodicDisturbance(Effect):
     title = "something swings with a period of its own"
     component = "environment"
     kind = "sensor"
-    stage = "sensor"
     scope = "camera"
     equation = "response -> response + sine sin(2 pi t / period) + cosine cos(2 pi t / period)"
     source = "breathing 3 to 6 s; harmonic regression: Bloomfield, Fourier Analysis of Time Series (2000), ch. 2"

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from coast_cli.effects.effect import HOMED, Effect, Parameter, Segment
+from coast_cli.effects.effect import HOMED, Parameter, Segment
+from coast_cli.effects.stages import OnStructure
 from coast_cli.mechanics.section import FloatArray
 
 
 @dataclass(frozen=True)
-class Precurvature(Effect):
+class Precurvature(OnStructure):
     """Bend at zero tension."""
 
     curvature_per_m: float = 0.0
@@ -18,7 +19,6 @@ class Precurvature(Effect):
     id = "precurvature"
     title = "bent at zero tension"
     component = "tube pair"
-    stage = "structure"
     equation = "M = EI (kappa - curvature)"
     source = "P (8): the pair's own curvature, which (9)-(12) take as zero"
     parameters = (

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from coast_cli.effects.effect import Parameter
-from coast_cli.effects.shape_effect import TUBE, Pieces, Scene, ShapeEffect
+from coast_cli.effects.shape_stages import TUBE, OnPieces, Pieces
 from coast_cli.units import MILLIMETRE
 
 
 @dataclass(frozen=True)
-class PrecurvatureGradient(ShapeEffect):
+class PrecurvatureGradient(OnPieces):
     """Natural curvature that grows from the clamp to the tip, its mean unchanged."""
 
     per_m_per_mm: float = 0.0
@@ -19,20 +19,13 @@ class PrecurvatureGradient(ShapeEffect):
     id = "precurvature_gradient"
     title = "natural curvature changes along the tube"
     component = "tube"
-    stage = "structure"
     equation = "k0(s) = k0 + gradient (s - L/2)"
     source = "laser heat builds up along a cut; first order in s"
     parameters = (
-        Parameter("per_m_per_mm", 0.0, -20.0, 20.0, (2.0,), "a few 1/m over the tube's length"),
+        Parameter("per_m_per_mm", 0.0, -20.0, 20.0, (2.0,), "a few 1/m over the tube's length", "gradient"),
         TUBE,
     )
-    of_one_tube = True
     decided_by = "the same tube turned over: natural curvature changes its side, a load does not"
-
-    @classmethod
-    def reach(cls, parameter: Parameter, scene: Scene) -> float:
-        """Return what changes the curvature by 1/m over the longest tube."""
-        return MILLIMETRE / scene.length
 
     def pieces(self, pieces: Pieces) -> Pieces:
         """Add the part that grows."""

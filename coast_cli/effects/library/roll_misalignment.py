@@ -10,12 +10,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from coast_cli.effects.effect import Parameter
-from coast_cli.effects.shape_effect import Loads, ShapeEffect
+from coast_cli.effects.shape_stages import Loads, OnPair
 from coast_cli.units import DEGREE
 
 
 @dataclass(frozen=True)
-class RollMisalignment(ShapeEffect):
+class RollMisalignment(OnPair):
     """Angle by which the middle tube misses its place opposite the outer one; its sign does not show in one picture."""
 
     angle_deg: float = 0.0
@@ -23,11 +23,9 @@ class RollMisalignment(ShapeEffect):
     id = "roll_misalignment"
     title = "outer and middle not 180 degrees apart"
     component = "pair"
-    stage = "structure"
     equation = "k_in = (EI_o k_o - EI_m k_m cos roll)/EI, k_out = EI_m k_m sin roll/EI, seen: ds cos(integral k_out)"
     source = "P (8) as a vector; projection of a curve in space"
     parameters = (Parameter("angle_deg", 0.0, 0.0, 180.0, (10.0, 25.0), "set by eye to a few degrees"),)
-    on_pairs = True
     order = 2
     decided_by = "the pair turned by 90 degrees, where what left the plane lies in it; and each tube alone"
 

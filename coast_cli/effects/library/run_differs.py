@@ -6,13 +6,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from coast_cli.effects.effect import RUN, Effect, History, Parameter
+from coast_cli.effects.effect import RUN, History, Parameter
+from coast_cli.effects.stages import OnDrive, OnSensor
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.units import MILLIMETRE
 
 
 @dataclass(frozen=True)
-class RunDiffers(Effect):
+class RunDiffers(OnSensor, OnDrive):
     """Gain and offset of the response, and zero of the stroke, of one run alone."""
 
     run: float = 0.0
@@ -24,7 +25,6 @@ class RunDiffers(Effect):
     title = "one run disagrees with the rest"
     component = "record (one run)"
     kind = "sensor"
-    stage = "sensor"
     scope = "bench"
     equation = "in that run: response -> gain response + offset, X1 -> X1 - stroke_zero"
     source = "homogeneity of runs: ISO 5725-2 (2019), sec. 7.3, consistency of laboratories"

@@ -6,13 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coast_cli.effects.effect import Effect, History, Parameter
+from coast_cli.effects.effect import History, Parameter
 from coast_cli.effects.memory import relax
+from coast_cli.effects.stages import OnSensor
 from coast_cli.mechanics.section import FloatArray
 
 
 @dataclass(frozen=True)
-class SensorLag(Effect):
+class SensorLag(OnSensor):
     """A first-order lag and a pure delay of the response; exposure and filters are the one, queues the other.
 
     At one rate a delay is play to the letter, so it is looked for only where rates differ or the drive holds.
@@ -25,7 +26,6 @@ class SensorLag(Effect):
     title = "camera answers late"
     component = "camera"
     kind = "sensor"
-    stage = "sensor"
     scope = "camera"
     equation = "y' = (response(t - delay) - y)/time_constant"
     source = "first-order lag of exposure and filtering, dead time of transfer and time stamps"

@@ -6,14 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coast_cli.effects.effect import Effect, Parameter, Segment
+from coast_cli.effects.effect import Parameter, Segment
+from coast_cli.effects.stages import OnStructure
 from coast_cli.mechanics.section import FloatArray
 
 _NO_JUMP = 1e-9  # 1/m
 
 
 @dataclass(frozen=True)
-class SnapThrough(Effect):
+class SnapThrough(OnStructure):
     """A drop of the moment around a curvature; the forward model jumps across what it cannot hold."""
 
     curvature_per_m: float = 20.0
@@ -24,7 +25,6 @@ class SnapThrough(Effect):
     id = "snap_through"
     title = "outer tube snaps through"
     component = "tube pair"
-    stage = "structure"
     equation = (
         "M = EI (kappa - jump (1 + tanh((kappa - at)/width))/2), jump = drop kappa_s, width = sharpness jump/2, "
         "at = kappa_s on load, back kappa_s + jump on release"

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from coast_cli.effects.effect import Effect, History, Parameter
+from coast_cli.effects.effect import History, Parameter
 from coast_cli.effects.memory import relax
+from coast_cli.effects.stages import OnSlack
 from coast_cli.mechanics.joint import Joint
 from coast_cli.mechanics.section import FloatArray
 
 
 @dataclass(frozen=True)
-class TendonCreep(Effect):
+class TendonCreep(OnSlack):
     """Delayed elongation, a fraction of the elastic one."""
 
     fraction: float = 0.0
@@ -20,7 +21,6 @@ class TendonCreep(Effect):
     id = "tendon_creep"
     title = "tendon creeps under load"
     component = "tendon"
-    stage = "tendon"
     equation = "z' = (fraction F/k - z)/time_constant; stretch = F/k + z"
     source = "standard linear solid: Findley, Lai and Onaran, Creep and Relaxation (1976), sec. 5.7"
     parameters = (

@@ -6,14 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coast_cli.effects.effect import Effect, History, Parameter
+from coast_cli.effects.effect import History, Parameter
+from coast_cli.effects.stages import OnSlack
 from coast_cli.mechanics.joint import Joint
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.units import MILLIMETRE
 
 
 @dataclass(frozen=True)
-class TendonPermanentSet(Effect):
+class TendonPermanentSet(OnSlack):
     """Slack in proportion to the largest tension seen past a threshold."""
 
     slack_mm_per_n: float = 0.0
@@ -23,7 +24,6 @@ class TendonPermanentSet(Effect):
     id = "tendon_permanent_set"
     title = "tendon keeps a set"
     component = "tendon"
-    stage = "tendon"
     equation = "slack = slack_mm_per_n max(max F so far - threshold, 0)"
     source = "residual strain of cycled nitinol wire: Miyazaki et al., Metall. Trans. A 17 (1986) 115"
     parameters = (

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from coast_cli.effects.effect import Effect, Parameter
+from coast_cli.effects.effect import Parameter
 from coast_cli.effects.knee import past
+from coast_cli.effects.stages import OnStretch
 from coast_cli.mechanics.joint import Joint
 from coast_cli.mechanics.section import FloatArray
 
 
 @dataclass(frozen=True)
-class TendonSuperelasticity(Effect):
+class TendonSuperelasticity(OnStretch):
     """Extra compliance of the tendon past a knee."""
 
     knee_n: float = 1.0
@@ -21,7 +22,6 @@ class TendonSuperelasticity(Effect):
     id = "tendon_superelasticity"
     title = "tendon on its stress plateau"
     component = "tendon"
-    stage = "tendon"
     equation = "stretch = F/k + extra_compliance past(F, knee)/k"
     source = "plateau 360 to 650 MPa loading, slope 3 to 10 % of E (physics.md, sizes worth knowing)"
     parameters = (

@@ -6,12 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coast_cli.effects.effect import Effect, History, Parameter
+from coast_cli.effects.effect import History, Parameter
+from coast_cli.effects.stages import OnDrift, OnSensor
 from coast_cli.mechanics.section import FloatArray
 
 
 @dataclass(frozen=True)
-class ThermalDrift(Effect):
+class ThermalDrift(OnDrift, OnSensor):
     """Drift of stiffness, of the shape at rest, or of the zero of the response; linear where the time constant is long."""
 
     stiffness_change: float = 0.0
@@ -22,7 +23,6 @@ class ThermalDrift(Effect):
     id = "thermal_drift"
     title = "stiffness or zero drifts with time"
     component = "material"
-    stage = "structure"
     equation = (
         "M = EI (1 + stiffness_change g) (kappa - rest_change g), response -> response + zero_change g, "
         "g = 1 - exp(-t/time_constant)"

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from coast_cli.effects.effect import Effect, History, Parameter
+from coast_cli.effects.effect import History, Parameter
+from coast_cli.effects.stages import OnDrive
 from coast_cli.units import MILLIMETRE
 
 
 @dataclass(frozen=True)
-class TransmissionCompliance(Effect):
+class TransmissionCompliance(OnDrive):
     """Stroke that the load of the far end takes."""
 
     compliance_mm: float = 0.0
@@ -17,7 +18,6 @@ class TransmissionCompliance(Effect):
     id = "transmission_compliance"
     title = "cable stretches with the load of the far end"
     component = "cable"
-    stage = "drive"
     scope = "bench"
     equation = "x = X1 - compliance load"
     source = "elastic cable: Palli and Melchiorri, IEEE Int. Conf. Robotics and Automation (2006) 775"

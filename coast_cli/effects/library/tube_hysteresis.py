@@ -11,9 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coast_cli.effects.effect import Effect, History, Parameter, Segment
+from coast_cli.effects.effect import History, Parameter, Segment
 from coast_cli.effects.memory import follow
 from coast_cli.effects.plateau import fitted_tubes, softened
+from coast_cli.effects.stages import OnSettling, OnStructure
 from coast_cli.mechanics.bending_law import interpolated
 from coast_cli.mechanics.joint import Joint
 from coast_cli.mechanics.release import LoadAndRelease
@@ -24,7 +25,7 @@ _SHARES = np.linspace(0.0, 1.0, 33)
 
 
 @dataclass(frozen=True)
-class TubeHysteresis(Effect):
+class TubeHysteresis(OnStructure, OnSettling):
     """The superelastic loop of the notched tubes."""
 
     upper_plateau_mpa: float = 450.0
@@ -34,7 +35,6 @@ class TubeHysteresis(Effect):
     id = "tube_hysteresis"
     title = "superelastic loop of the tubes"
     component = "tubes"
-    stage = "structure"
     equation = (
         "sigma = upper_plateau + (1 - stiffness_lost) E (strain - upper_plateau/E) on load, lower by upper_plateau - "
         "lower_plateau on release, elastic between; M = integral of sigma y over strip and ring"

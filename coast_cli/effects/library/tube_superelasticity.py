@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from coast_cli.effects.effect import Effect, Parameter, Segment
+from coast_cli.effects.effect import Parameter, Segment
 from coast_cli.effects.knee import past
 from coast_cli.effects.plateau import fitted_tubes, has_own_curve, softened
+from coast_cli.effects.stages import OnStructure
 from coast_cli.mechanics.joint import Joint
 from coast_cli.mechanics.section import FloatArray
 
@@ -18,7 +19,7 @@ _LOWER = 0.4  # lower plateau over upper, which loading does not reach
 
 
 @dataclass(frozen=True)
-class TubeSuperelasticity(Effect):
+class TubeSuperelasticity(OnStructure):
     """Softening of the bending law past a knee."""
 
     knee_strain: float = 1.0
@@ -28,7 +29,6 @@ class TubeSuperelasticity(Effect):
     id = "tube_superelasticity"
     title = "notched tube on its stress plateau"
     component = "tubes"
-    stage = "structure"
     equation = (
         "M = EI (kappa - stiffness_lost past(kappa, knee)), knee where the strip's fibre reaches knee_strain; of tubes with a "
         "curve of their own M = integral of sigma y, its plateau begun at E knee_strain with slope (1 - stiffness_lost) E"

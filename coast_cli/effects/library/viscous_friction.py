@@ -10,14 +10,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from coast_cli.effects.effect import Effect, History, Parameter
+from coast_cli.effects.effect import History, Parameter
 from coast_cli.effects.memory import relax
+from coast_cli.effects.stages import OnDrive, OnSettling
 from coast_cli.mechanics.joint import Joint
 from coast_cli.mechanics.section import FloatArray
 
 
 @dataclass(frozen=True)
-class ViscousFriction(Effect):
+class ViscousFriction(OnSettling, OnDrive):
     """Drag on the bending tubes, and drag of the tendon in its sheath."""
 
     time_constant_s: float = 0.0
@@ -26,7 +27,6 @@ class ViscousFriction(Effect):
     id = "viscous_friction"
     title = "drag grows with speed"
     component = "sheath, tubes"
-    stage = "structure"
     equation = "M = EI (kappa + time_constant kappa'); tendon in its sheath: x' = (X1 - x)/sheath_time"
     source = "Kelvin-Voigt solid: Findley, Lai and Onaran, Creep and Relaxation (1976), sec. 5.4"
     parameters = (

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from coast_cli.effects.catalogue import CATALOGUE, build_effects, in_order
+from coast_cli.effects.catalogue import CATALOGUE, build_effects, effects_of, in_order
 from coast_cli.effects.effect import STAGES, Effect, History
 from coast_cli.effects.forward import Layout, Tables, predict
 from coast_cli.errors import BadInput
@@ -88,7 +88,7 @@ def _responses(joint: Joint, effects: list[Effect], runs: list[History]) -> np.n
     return np.concatenate([prediction.response[:, 0] for prediction in predict(joint, effects, runs, LAYOUT)])
 
 
-@pytest.mark.parametrize("effect", CATALOGUE.values(), ids=CATALOGUE.keys())
+@pytest.mark.parametrize("effect", effects_of("joint").values(), ids=effects_of("joint").keys())
 class TestEveryEffect:
     def test_declares_itself(self, effect):
         assert effect.stage in STAGES
@@ -144,12 +144,14 @@ def test_without_effects_it_is_the_paper_s_joint(joint, runs):
 
 
 def test_the_order_of_listing_does_not_matter(joint, runs):
-    effects = [_middle_of_range(effect) for effect in CATALOGUE.values()]
+    effects = [_middle_of_range(effect) for effect in effects_of("joint").values()]
     np.testing.assert_array_equal(_responses(joint, effects[::-1], runs), _responses(joint, effects, runs))
 
 
 def test_all_effects_compose(joint, runs):
-    assert np.all(np.isfinite(_responses(joint, [_middle_of_range(effect) for effect in CATALOGUE.values()], runs)))
+    assert np.all(
+        np.isfinite(_responses(joint, [_middle_of_range(effect) for effect in effects_of("joint").values()], runs))
+    )
 
 
 def test_tables_used_again_change_nothing(joint, runs):

@@ -3,7 +3,6 @@ import re
 import pytest
 
 from coast_cli.effects.catalogue import build_effects
-from coast_cli.effects.shapes.catalogue import build_shape_effects
 from coast_cli.effects.unnamed import UnnamedLaw
 from coast_cli.errors import BadInput
 from coast_cli.spec.load import load_config_text
@@ -15,17 +14,17 @@ LAW = UnnamedLaw("structure", "curvature", "friction", 0.0, 0.0, 40.0, (1.5, 0.2
 def test_what_a_bench_or_a_camera_has_stays_with_its_kind_of_recording(identifier, values):
     of_shapes = {identifier: {**values, "recording": "shapes"}}
     assert build_effects(of_shapes) == ()
-    assert [effect.id for effect in build_shape_effects(of_shapes)] == [identifier]
+    assert [effect.id for effect in build_effects(of_shapes, "shapes")] == [identifier]
     of_joint = {identifier: {**values, "recording": "joint"}}
     assert [effect.id for effect in build_effects(of_joint)] == [identifier]
-    assert build_shape_effects(of_joint) == ()
+    assert build_effects(of_joint, "shapes") == ()
 
 
 def test_what_a_tube_has_goes_along():
     for kind in ("shapes", "joint"):
         table = {"notch_end_effect": {"table_share": 1.0, "recording": kind}}
         assert [effect.id for effect in build_effects(table)] == ["notch_end_effect"]
-        assert [effect.id for effect in build_shape_effects(table)] == ["notch_end_effect"]
+        assert [effect.id for effect in build_effects(table, "shapes")] == ["notch_end_effect"]
 
 
 def test_a_law_without_a_name_is_loaded_from_its_table():

@@ -9,10 +9,10 @@ import pytest
 
 from coast_cli.diagnosis.shapes.build import build_shape_problem
 from coast_cli.diagnosis.shapes.problem import ShapeProblem
-from coast_cli.effects.catalogue import CATALOGUE, build_effects
+from coast_cli.effects.catalogue import CATALOGUE, build_effects, effects_of, in_order
 from coast_cli.effects.corrections import correction_parameters
-from coast_cli.effects.shape_effect import TUBE, ShapeEffect
-from coast_cli.effects.shapes.catalogue import SHAPE_CATALOGUE, build_shape_effects, in_order
+from coast_cli.effects.effect import declared
+from coast_cli.effects.shape_stages import TUBE, OnShapes
 from coast_cli.errors import BadInput
 from coast_cli.recordings.model import ShapeRun
 from coast_cli.spec.load import load_config_text
@@ -53,19 +53,20 @@ def problem() -> ShapeProblem:
     return build_shape_problem(load_config_text(CONFIG, "tubes.toml"), runs)
 
 
-@pytest.fixture(params=SHAPE_CATALOGUE.values(), ids=SHAPE_CATALOGUE.keys())
-def effect(request) -> type[ShapeEffect]:
+@pytest.fixture(params=effects_of("shapes").values(), ids=effects_of("shapes").keys())
+def effect(request) -> type[OnShapes]:
     return request.param
 
 
 def test_it_declares_itself(effect):
-    for text in (effect.title, effect.component, effect.equation, effect.source, effect.decided_by):
+    said = declared(effect, "shapes")
+    for text in (said.title, effect.component, said.equation, said.source, said.decided_by):
         assert len(text) > 3
     assert effect.kind in ("physics", "sensor", "parameter")
-    for parameter in effect.parameters:
+    for parameter in said.parameters:
         assert parameter.low <= parameter.null <= parameter.high
         assert parameter.source
-    assert set(effect.expected) <= {parameter.name for parameter in effect.fitted()}
+    assert all(p.expected is None for p in said.parameters if p not in effect.fitted())
 
 
 def test_its_null_changes_nothing(problem, effect):
@@ -86,14 +87,14 @@ def test_its_starts_show_and_lie_in_range(problem, effect):
     clean = residual(problem)
     starts = effect.starts(problem.scene)
     assert starts
-    for parameter in effect.parameters:
+    for parameter in effect.parameters_on("shapes"):
         assert all(parameter.low <= getattr(start, parameter.name) <= parameter.high for start in starts)
     assert max(np.max(np.abs(residual(problem, start) - clean)) for start in starts[:6]) > 1e-7
     assert np.all(effect.widths(problem.scene) > 0.0)
 
 
 def test_what_sits_on_one_tube_leaves_the_others(problem):
-    tilted = [e for e in SHAPE_CATALOGUE.values() if TUBE in e.parameters]
+    tilted = [e for e in effects_of("shapes").values() if TUBE in e.parameters_on("shapes")]
     assert len(tilted) == 3
     for effect in tilted:
         start = next(s for s in effect.starts(problem.scene) if s.tube == 2.0)
@@ -104,7 +105,7 @@ def test_what_sits_on_one_tube_leaves_the_others(problem):
 def test_a_tip_force_has_the_sign_that_it_has_on_a_joint(problem):
     """Positive bends towards positive curvature: a tip that is pulled up, and a joint that bends more."""
     state = problem.state(problem.configured(), ())
-    pulled = problem.state(problem.configured(), (SHAPE_CATALOGUE["tip_load"](force_mn=0.05),))
+    pulled = problem.state(problem.configured(), (CATALOGUE["tip_load"](force_mn=0.05),))
     free, lifted = problem.forward.lines([(0, state), (0, pulled)])
     assert lifted.y[0, -1] > free.y[0, -1]
     segment = SimpleNamespace(bending_length=0.03, position=None)
@@ -113,15 +114,15 @@ def test_a_tip_force_has_the_sign_that_it_has_on_a_joint(problem):
 
 
 def test_effects_act_in_one_order():
-    some = [SHAPE_CATALOGUE[name].null() for name in ("camera_scale", "base_tilt", "notch_depth_error")]
+    some = [CATALOGUE[name].null() for name in ("camera_scale", "base_tilt", "notch_depth_error")]
     assert [effect.id for effect in in_order(some)] == ["notch_depth_error", "base_tilt", "camera_scale"]
 
 
 def test_a_corrections_table_serves_joints_and_shapes():
     table = {"base_tilt": {"angle_deg": 2.0}, "backlash": {"width_mm": 0.2}, "gravity": {"in_plane_share": 0.9}}
     assert [effect.id for effect in build_effects(table)] == ["backlash"]
-    assert [effect.id for effect in build_shape_effects(table)] == ["base_tilt", "gravity"]
-    assert {"base_tilt", "backlash"} <= set(correction_parameters())
+    assert [effect.id for effect in build_effects(table, "shapes")] == ["base_tilt", "gravity"]
+    assert {"base_tilt", "backlash"} <= set(correction_parameters(CATALOGUE))
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,7 @@
-"""What a left-out effect of a shape is: it changes a tube, its pieces, the assembled beam or what the camera sees.
+"""The stages at which effects of photographed tubes and pairs act: a tube's pieces, a pair's assembly, the bench, the picture.
 
-Effects act in this order whatever order they are listed in: tube (geometry), pieces (one tube, notch by notch), beam
-(clamp, loads, gravity, in the frame of the bench), camera. Each stage is one method, the identity unless overridden.
+``stages.OnTubes``, the geometry itself, comes before them. Each stage is a base class with a method that is the identity
+unless overridden. What all of them owe to a fit (where it starts, what a number costs) stands in ``OnShapes``.
 """
 
 from __future__ import annotations
@@ -13,15 +13,18 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from coast_cli.effects.effect import Effect, Parameter
+from coast_cli.effects.effect import Effect, Parameter, RecordingKind, Scale, Stage
 from coast_cli.mechanics.section import FloatArray
-from coast_cli.mechanics.tube import NotchedTube
+from coast_cli.units import MILLIMETRE, MILLINEWTON
 
 # Which tube an effect sits on; it is chosen by comparison and never fitted.
-TUBE = Parameter("tube", 0.0, 0.0, 10_000.0, (0.0,), "0: every tube; k: the k-th of the file, outer tubes first")
+TUBE = Parameter(
+    "tube", 0.0, 0.0, 10_000.0, (0.0,), "0: every tube; k: the k-th of the file, outer tubes first", role="tube"
+)
 # Whether each tube may differ from what an effect has for all of them by a share of it; chosen in the same way.
-BY_TUBE = Parameter("by_tube", 0.0, 0.0, 1.0, (0.0, 1.0), "1: each tube's own differs from it by a few per cent")
-CHOICES = (TUBE, BY_TUBE)
+BY_TUBE = Parameter(
+    "by_tube", 0.0, 0.0, 1.0, (0.0, 1.0), "1: each tube's own differs from it by a few per cent", role="by_tube"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +70,7 @@ class Loads:
 
 
 @dataclass(frozen=True, slots=True)
-class Scene:
+class Photographed:
     """What a set of shapes holds, for choosing starts.
 
     Attributes:
@@ -81,32 +84,31 @@ class Scene:
     weight: float
     pairs: bool
 
+    @property
+    def scales(self) -> Mapping[Scale, float]:
+        """What the starts of a parameter may be multiples of."""
+        return {"": 1.0, "weight": self.weight / MILLINEWTON, "gradient": MILLIMETRE / self.length}
 
-@dataclass(frozen=True)
-class ShapeEffect(Effect):
-    """Base of the effects of shapes: every stage is the identity.
 
-    ``expected`` holds (mean, standard deviation) of parameters that physics foretells; ``of_one_tube`` marks effects
-    that may sit on one tube alone; ``on_pairs`` those that only an assembled pair can have; ``is_local`` those shorter
-    than a few pitches; ``of_stock`` those that a corrected configuration holds as numbers of the tubes themselves.
-    ``order`` is the power of its amplitude with which a small effect grows; ``logarithmic`` names the parameters that a
-    fit moves by factors; ``rarity`` is what the effect pays, nats, for being less likely beforehand; negative where theory
-    says that it is always there.
+class OnShapes(Effect):
+    """Anything that acts on photographed tubes.
+
+    ``changes_tubes`` marks effects of the geometry itself, which shows on tubes that were photographed alone; ``is_local`` those
+    shorter than a few pitches; ``of_stock`` those that a corrected configuration holds as numbers of the tubes themselves.
+    ``order`` is the power of its amplitude with which a small effect grows.
     """
 
-    expected: ClassVar[Mapping[str, tuple[float, float]]] = {}
-    of_one_tube: ClassVar[bool] = False
-    on_pairs: ClassVar[bool] = False
+    stage: ClassVar[Stage] = "structure"
+    recordings: ClassVar[tuple[RecordingKind, ...]] = ("shapes",)
+    changes_tubes: ClassVar[bool] = False
     is_local: ClassVar[bool] = False
     of_stock: ClassVar[bool] = False
     order: ClassVar[int] = 1
-    logarithmic: ClassVar[tuple[str, ...]] = ()
-    rarity: ClassVar[float] = 0.0
 
     @classmethod
     def fitted(cls) -> tuple[Parameter, ...]:
         """Return the parameters that a fit moves."""
-        return tuple(parameter for parameter in cls.parameters if parameter not in CHOICES)
+        return tuple(p for p in cls.parameters_on("shapes") if p.role in ("size", "shape"))
 
     @property
     def variant(self) -> tuple[str, float]:
@@ -122,45 +124,40 @@ class ShapeEffect(Effect):
         return replace(self, **{p.name: float(v) for p, v in zip(self.fitted(), values, strict=True)})
 
     @classmethod
-    def reach(cls, parameter: Parameter, scene: Scene) -> float:
-        """Return what the starts of a parameter are multiples of."""
-        return 1.0
-
-    @classmethod
-    def places(cls, scene: Scene) -> list[float]:
+    def places(cls, seen: Photographed) -> list[float]:
         """Return the tubes it may sit on: all at once, and each that was photographed alone."""
-        if not scene.alone:
+        if not seen.alone:
             return []
-        return [0.0, *sorted(map(float, scene.alone))] if len(scene.tubes) > 1 else [0.0]
+        return [0.0, *sorted(map(float, seen.alone))] if len(seen.tubes) > 1 else [0.0]
 
     @classmethod
-    def starts(cls, scene: Scene) -> list[Self]:
+    def starts(cls, seen: Photographed) -> list[Self]:
         """Return where fits are started: every start of every parameter, on every tube and on all of them.
 
         None where a tube's own geometry is in question and no tube was photographed alone.
         """
-        if cls.stage_overridden("geometry") and not scene.alone:
+        if cls.changes_tubes and not seen.alone:
             return []
         choices = []
-        for parameter in cls.parameters:
-            if parameter is TUBE:
-                choices.append(cls.places(scene))
-            elif parameter is BY_TUBE:
-                choices.append([0.0, 1.0] if len(scene.alone) > 1 else [0.0])
+        for parameter in cls.parameters_on("shapes"):
+            if parameter.role == "tube":
+                choices.append(cls.places(seen))
+            elif parameter.role == "by_tube":
+                choices.append([0.0, 1.0] if len(seen.alone) > 1 else [0.0])
             else:
-                size = cls.reach(parameter, scene)
+                size = seen.scales[parameter.relative_to]
                 choices.append([float(np.clip(s * size, parameter.low, parameter.high)) for s in parameter.starts])
-        names = [parameter.name for parameter in cls.parameters]
+        names = [parameter.name for parameter in cls.parameters_on("shapes")]
         return [cls(**dict(zip(names, values, strict=True))) for values in product(*choices)]
 
     @classmethod
-    def widths(cls, scene: Scene) -> FloatArray:
+    def widths(cls, seen: Photographed) -> FloatArray:
         """Return the prior width of each fitted parameter: what it costs to have one."""
         found = []
         for parameter in cls.fitted():
-            size = cls.reach(parameter, scene)
-            most = max(abs(start * size - (parameter.null if size == 1.0 else 0.0)) for start in parameter.starts)
-            found.append(cls.expected[parameter.name][1] if parameter.name in cls.expected else 2.0 * max(most, 1e-9))
+            size, null = seen.scales[parameter.relative_to], 0.0 if parameter.relative_to else parameter.null
+            most = max(abs(start * size - null) for start in parameter.starts)
+            found.append(2.0 * max(most, 1e-9) if parameter.expected is None else parameter.expected[1])
         return np.array(found)
 
     def scaled(self, amount: float) -> Self:
@@ -185,27 +182,36 @@ class ShapeEffect(Effect):
         chosen = getattr(self, "tube", 0.0)
         return chosen in {0.0, float(number)}
 
-    def spread(self, share: float) -> Self:
+    def differing(self, share: float) -> Self:
         """Return the effect as it is on a tube that differs from the rest by a share of it."""
         return self
 
-    def geometry(self, tube: NotchedTube) -> NotchedTube:
-        """Change the tube itself."""
-        return tube
+
+class OnPieces(OnShapes):
+    """A tube's pieces, uncut and cut."""
 
     def pieces(self, pieces: Pieces) -> Pieces:
         """Change a tube's pieces."""
         return pieces
 
+
+class OnBench(OnShapes):
+    """Clamp, loads and what the picture shows of the line's length."""
+
     def loads(self, loads: Loads) -> Loads:
-        """Change clamp, loads and assembly."""
+        """Change clamp and loads."""
         return loads
+
+
+class OnPair(OnBench):
+    """How two tubes are assembled: what only a pair can have."""
+
+
+class OnImage(OnShapes):
+    """The camera."""
+
+    stage: ClassVar[Stage] = "sensor"
 
     def see(self, x: FloatArray, y: FloatArray, centre: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
         """Change places (m) on their way through the camera; ``centre`` is the middle of the picture."""
         return x, y
-
-    @classmethod
-    def stage_overridden(cls, name: str) -> bool:
-        """Return whether a stage is not the identity."""
-        return getattr(cls, name) is not getattr(ShapeEffect, name)

@@ -1,1 +1,0 @@
-"""What a shape model can leave out: one effect a file, and their catalogue."""
