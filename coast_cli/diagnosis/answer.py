@@ -71,6 +71,15 @@ class SideBySide:
     tip_mm_with_effects: float
 
 
+@dataclass(frozen=True, slots=True)
+class Test:
+    """Something that was asked of rows or runs: the chance that noise alone does as badly, and whether it was passed."""
+
+    name: str
+    p: float
+    passed: bool
+
+
 @dataclass(frozen=True)
 class Diagnosis:
     """What ``coast diagnose`` answers.
@@ -94,6 +103,8 @@ class Diagnosis:
         model_spread: how sure the numbers of the corrected model are; None where that is not known.
         unnamed: what is known of a law without a name, alone or beside the names; None where there is none.
         recording: kind of recording that was diagnosed.
+        probabilities: of each name that was given or considered, and of ``something_else``: that none of them is right.
+        tests: what the answer rests on. evidence: what speaks against the names, by figure (``joint/odds.py``).
     """
 
     verdict: Verdict
@@ -117,6 +128,9 @@ class Diagnosis:
     curves: tuple[JointCurve, ...] | tuple[ShapeCurve, ...] = field(default=(), compare=False)
     unnamed: Description | None = None
     recording: RecordingKind = "joint"
+    probabilities: Mapping[str, float] = field(default_factory=dict)
+    tests: tuple[Test, ...] = ()
+    evidence: Mapping[str, float] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         """Return the answers in a few lines."""

@@ -64,17 +64,18 @@ class Contest:
     leading: Hypothesis
 
     def alternatives(self) -> tuple[Hypothesis, ...]:
-        """Return other sets, no larger, that the data cannot tell from the leading one; the best of each set of ids."""
+        """Return other sets, no larger, that the data cannot tell from the leading one; the best of each set of ids.
+
+        One that fits as closely, and is behind only by what its numbers cost, is told from it by less than an effect costs.
+        """
         if not self.leading.ids:
             return ()
         found: dict[frozenset[str], Hypothesis] = {frozenset(self.leading.ids): self.leading}
         for other in self.tried:
             ids = frozenset(other.ids)
-            if (
-                0 < len(ids) <= len(self.leading.ids)
-                and ids not in found
-                and other.score > self.leading.score - ALIKE_NATS
-            ):
+            as_close = other.fit.log_likelihood >= self.leading.fit.log_likelihood
+            margin = EFFECT_NATS if as_close and len(ids) == len(self.leading.ids) else ALIKE_NATS
+            if 0 < len(ids) <= len(self.leading.ids) and ids not in found and other.score > self.leading.score - margin:
                 found[ids] = other
         return tuple(found.values())[1:]
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
 
 import numpy as np
 
-from coast_cli.diagnosis.answer import Diagnosis, Errors, Level, Named, SideBySide, Value, Verdict
+from coast_cli.diagnosis.answer import Diagnosis, Errors, Level, Named, SideBySide, Test, Value, Verdict
 from coast_cli.diagnosis.contest import Contest, Hypothesis, carried_start
 from coast_cli.diagnosis.curves import JointCurve, ShapeCurve
 from coast_cli.diagnosis.fit import Fit, fit, rms
@@ -29,6 +29,7 @@ from coast_cli.diagnosis.thresholds import (
     MAX_UNEXPLAINED_SHARE,
     PARAMETERS_NATS,
     PARAMETERS_SIZE,
+    REFUSED_NAMES,
     SUREST,
     TEMPER,
     UNEXPLAINED_SOFTNESS,
@@ -39,15 +40,17 @@ from coast_cli.mechanics.section import FloatArray
 if TYPE_CHECKING:
     from coast_cli.diagnosis.unnamed.words import Description
 
+SOMETHING_ELSE = "something_else"
 _MOST_CHANGES = 100  # every change makes the leading set smaller, so that this is never reached
 
 
 @dataclass(frozen=True, slots=True)
 class Ruling:
-    """A verdict and a sentence on it."""
+    """A verdict and a sentence on it; ``keeps_model``: whether the leading set is the model though it is not named."""
 
     verdict: Verdict
     reason: str
+    keeps_model: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,6 +142,10 @@ class Case(ABC):
     def alternatives(self, ruling: Ruling) -> tuple[tuple[str, ...], ...]:
         """Return the ids of sets that the data cannot tell from the named one."""
         return tuple(rival.ids for rival in self.rivals) if self.is_named(ruling) else ()
+
+    def tried_in_vain(self, ruling: Ruling) -> tuple[str, ...]:
+        """Return the ids of the best set that was not good enough to be named."""
+        return self.attempts or (self.leading.ids if ruling.verdict == "unexplained" else ())
 
     def chosen(self, effect: Effect) -> dict[str, Value]:
         """Return what was chosen for an effect and not fitted."""
@@ -249,16 +256,47 @@ class Case(ABC):
         return self.comparison_of(self.leading.fit)
 
     @cached_property
-    def confidence(self) -> float:
-        """Probability that the leading set is right: against its rivals, and against something unknown."""
+    def certainty(self) -> float:
+        """Probability that the leading set or one of its rivals is right, and not something unknown."""
+        left = self.leftover.size / max(self.explained, 1e-300)
+        return float(1.0 / (1.0 + np.exp(np.clip((left - MAX_UNEXPLAINED_SHARE) / UNEXPLAINED_SOFTNESS, -50.0, 50.0))))
+
+    @cached_property
+    def shares(self) -> FloatArray:
+        """Shares of the leading set and of its rivals in what is believed of them together, (1 + rivals,)."""
         scores = np.array([self.leading.score, *(rival.score for rival in self.rivals)])
         weights = np.exp((scores - scores.max()) / TEMPER)
-        left = self.leftover.size / max(self.explained, 1e-300)
-        known = 1.0 / (1.0 + np.exp(np.clip((left - MAX_UNEXPLAINED_SHARE) / UNEXPLAINED_SOFTNESS, -50.0, 50.0)))
-        return float(np.clip(weights[0] / weights.sum() * known, LEAST_SURE, SUREST))
+        return np.asarray(weights / weights.sum())
 
-    def named(self, final: Fit) -> tuple[Named, ...]:
+    def believed(self, ruling: Ruling) -> float:
+        """Return the probability that the leading set, or one of its rivals, is right under a ruling."""
+        return self.certainty if self.is_named(ruling) else min(self.certainty, float(REFUSED_NAMES))
+
+    def probabilities(self, ruling: Ruling) -> dict[str, float]:
+        """Return the probability of each name, likeliest first, and of ``something_else``: that none of them is right."""
+        if not self.leading.ids:
+            return {}
+        shares = self.shares * min(self.believed(ruling), float(SUREST))
+        found: dict[str, float] = {}
+        for one, share in zip((self.leading, *self.rivals), shares, strict=True):
+            for identifier in one.ids:
+                found[identifier] = found.get(identifier, 0.0) + float(share)
+        ordered = dict(sorted(found.items(), key=lambda item: (-item[1], item[0])))
+        return ordered | {SOMETHING_ELSE: 1.0 - float(shares.sum())}
+
+    @property
+    def evidence(self) -> dict[str, float]:
+        """What speaks against the leading names, by figure, where that is asked."""
+        return {}
+
+    @property
+    def tests(self) -> tuple[Test, ...]:
+        """What the answer rests on."""
+        return ()
+
+    def named(self, ruling: Ruling, final: Fit) -> tuple[Named, ...]:
         """Return the leading effects with their fitted numbers, the most important first."""
+        chances = self.probabilities(ruling)
         space, names = self.problem.space(final.effects), {}
         place = len(space.base)
         for effect, owned in zip(final.effects, space.owned, strict=True):
@@ -270,8 +308,9 @@ class Case(ABC):
                 values[coordinate.name] = Value(value, std, final.at_bound[place])
                 place += 1
             values |= self.chosen(effect)
+            chance = max(chances.get(effect.id, 0.0), float(LEAST_SURE))
             names[effect.id] = Named(
-                effect.id, effect.kind, effect.component, said.title, said.equation, self.confidence, values
+                effect.id, effect.kind, effect.component, said.title, said.equation, chance, values
             )
         return tuple(names[identifier] for identifier in self.by_importance)
 
@@ -287,7 +326,7 @@ class Case(ABC):
 
     def diagnosis(self, ruling: Ruling) -> Diagnosis:
         """Return the whole answer under a ruling."""
-        explains = ruling.verdict != "unexplained"
+        explains = ruling.verdict != "unexplained" or ruling.keeps_model
         final = self.final(self.leading.fit if explains else self.contest.base.fit)
         configured = {p.name: p.value for p in self.problem.base}
         parameters = self.base_values(final)
@@ -297,9 +336,9 @@ class Case(ABC):
             noise=self.in_unit(self.noise_level(ruling)),
             noise_unit=self.unit,
             where=() if ruling.verdict == "agrees" else self.where(ruling, final),
-            effects=self.named(final) if self.is_named(ruling) else (),
+            effects=self.named(ruling, final) if self.is_named(ruling) else (),
             alternatives=self.alternatives(ruling),
-            attempts=self.attempts or (() if explains else self.leading.ids),
+            attempts=self.tried_in_vain(ruling),
             parameters=parameters,
             configured={name: configured[name] for name in parameters},
             comparison=self.comparison,
@@ -312,6 +351,9 @@ class Case(ABC):
             curves=self.curves(final),
             unnamed=self.told_law(final),
             recording=self.problem.recording,
+            probabilities=self.probabilities(ruling),
+            tests=self.tests,
+            evidence=self.evidence,
         )
 
 

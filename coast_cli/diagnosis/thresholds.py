@@ -98,8 +98,14 @@ AGREE_SIGMA = Threshold(2.6, "standard deviations", "within which two measuremen
 
 # Confidence.
 SUREST = Threshold(0.95, "", "probability that no name exceeds: the concealed cases bear out no more", _PILOT)
-SUREST_BESIDE_A_LAW = Threshold(
-    0.5, "", "probability that no name exceeds beside which a law without a name is needed", _REASON
+REFUSED_NAMES = Threshold(
+    0.1, "", "probability that one of the names that came nearest is right where none is given", _PILOT
+)
+NAMED_FROM = Threshold(
+    0.8,
+    "",
+    "probability from which on a name is given: a wrong one costs two, no name where none is right gains one",
+    _REASON,
 )
 LEAST_SURE = Threshold(0.01, "", "probability that no name falls below", _REASON)
 TEMPER = Threshold(2.0, "", "by which nats between rivals are divided, as noise models are never right", _PILOT)
@@ -166,6 +172,17 @@ UNSEEN_DOUBT = Threshold(1.9, "standard deviations", "of the fit's own doubt tha
 ENDS_EARLY = Threshold(0.003, "of the tube", "by which a trace must be short for its end not to be the tip", _REASON)
 BEGINS_LATE = Threshold(0.03, "of the tube", "after the clamp at which a trace must begin for it to be said", _REASON)
 ENDS_EARLY_NATS = Threshold(3.0, "nats", "that a trace pays which ends before the tip", _REASON)
+
+# The odds that a joint's names are right: log odds, less a weight times each figure that speaks against them.
+ODDS_CONSTANT = Threshold(3.2, "log odds", "of names against which nothing speaks", _PILOT)
+ODDS_LEFT = Threshold(1.9, "log odds", "a unit of log(1 + noise widths left)", _PILOT)
+ODDS_SHARE = Threshold(0.0, "log odds", "for all of what the base model left, left", _PILOT)
+ODDS_UNSEEN = Threshold(0.7, "log odds", "a unit of certifying error over what is allowed, beyond one half", _PILOT)
+ODDS_ASKED = Threshold(0.0, "log odds", "a factor of ten in the chance that noise alone asks for a law", _PILOT)
+ODDS_GAIN = Threshold(0.05, "log odds", "a unit of log(1 + nats of a law ahead of the names)", _PILOT)
+ODDS_BESIDE = Threshold(0.2, "log odds", "where a law stands beside the names", _PILOT)
+ODDS_NAMES = Threshold(0.6, "log odds", "of a set of names", _PILOT)
+ODDS_DOUBT = Threshold(1.0, "log odds", "a unit of the noise level's standard deviation of logarithm", _PILOT)
 
 ALL: dict[str, Threshold] = {name: value for name, value in list(globals().items()) if isinstance(value, Threshold)}
 

@@ -34,6 +34,7 @@ Need = Literal[
     "witness",
     "period",
     "load",
+    "far_end",
     "clipped",
     "frozen",
 ]

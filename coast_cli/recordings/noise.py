@@ -193,12 +193,13 @@ def pooled_noise(series: Sequence[Series], *, most_samples: int = MOST_SAMPLES) 
     start = max(float(np.median(rough)) if rough else _spread(series), floor)
     stretch = _usual_stretch(series)
     longest = MEMORY_IN_STRETCH * stretch
-    posterior = noise_posterior(blocks, start, longest)
+    posterior = noise_posterior(blocks, start, longest, quantum)
     every = int(np.ceil(stretch / LONGEST_BLOCK))
     if every > 1 and posterior.memory > SLOW:
         coarse = [block for one in kept for block in _blocks(_every(one, every))]
         if coarse:
-            seen = noise_posterior(_spread_out(coarse, most_samples), np.exp(posterior.log_level), longest / every)
+            rough_level = np.exp(posterior.log_level)
+            seen = noise_posterior(_spread_out(coarse, most_samples), rough_level, longest / every, quantum)
             posterior = seen.of_every_sample(every)
     return NoiseEstimate(
         level=max(float(np.exp(posterior.log_level)), floor),

@@ -49,6 +49,7 @@ LOG_COLOUR_PRIOR = np.array(
 UNEVENNESS = np.array([0.0, 0.35, 0.7, 1.2, 2.0])
 UNEVENNESS_PRIOR = np.array([0.6, 0.1, 0.1, 0.1, 0.1])
 LEVELS = 64
+FOLLOWS_KINKS = 24  # samples of a block from which on its kinks are told from its noise
 MEMORY_IN_SAMPLES = np.array([-1.0 / np.log(memory) if memory else 0.0 for memory, _ in COLOURS])
 
 
@@ -115,12 +116,16 @@ class _Basis:
     hinge_information: Floats
 
 
-def noise_posterior(blocks: Sequence[Block], start: float, longest_memory: float = np.inf) -> Posterior:
+def noise_posterior(
+    blocks: Sequence[Block], start: float, longest_memory: float = np.inf, quantum: float = 0.0
+) -> Posterior:
     """Return the posterior of level and colour, shared by all blocks; ``start`` is a rough level, greater than 0.
 
     The level of a block scatters about the shared one by an unevenness that is averaged over too: a device that sticks
-    and slips is noisier where it moves than where it rests. Memories longer than ``longest_memory`` samples are not
-    considered: by them any signal could be noise.
+    and slips is noisier where it moves than where it rests, and the level is the root mean square over blocks. In short
+    blocks kinks of the signal look like that, so there the level is the usual one, unless the response is rounded to
+    steps (``quantum``) that hide the noise of quiet blocks; the interval reaches up to the root mean square. Memories longer
+    than ``longest_memory`` samples are not considered: by them any signal could be noise.
     """
     groups = _grouped(blocks)
     forms = [_quadratic_forms(group, basis) for group, basis in groups]
@@ -128,14 +133,16 @@ def noise_posterior(blocks: Sequence[Block], start: float, longest_memory: float
     coarse = _grid_posterior(forms, np.log(start) + np.linspace(-3.0, 4.5, LEVELS), longest_memory)
     reach = 4.5 * max(coarse.std, 0.03) + 3.0 * coarse.unevenness
     fine = _grid_posterior(forms, np.linspace(coarse.mean - reach, coarse.mean + reach, LEVELS), longest_memory)
-    level = fine.mean if fine.unevenness < UNEVENNESS[1] else _root_mean_square(fine, sizes)
+    average = fine.mean if fine.unevenness < UNEVENNESS[1] else _root_mean_square(fine, sizes)
+    follows = float(np.median(sizes)) >= FOLLOWS_KINKS or np.exp(fine.mean) < quantum
+    level = average if follows else fine.mean
     memory, white = np.array(COLOURS).T
     mean_memory = float(fine.by_colour @ memory)
     return Posterior(
         log_level=level,
         log_level_std=fine.std,
         log_low=level + fine.low - fine.mean,
-        log_high=level + fine.high - fine.mean,
+        log_high=max(level + fine.high - fine.mean, average),
         unevenness=fine.unevenness,
         memory=mean_memory,
         memory_std=float(np.sqrt(max(float(fine.by_colour @ memory**2) - mean_memory**2, 0.0))),

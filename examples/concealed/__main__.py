@@ -17,6 +17,7 @@ STEPS = {
     "all": "make, run, score",
     "table": "print the figures of the kept answers",
     "tune": "set deciding numbers of the diagnosis on tuning seeds",
+    "odds": "set how far names are to be believed on tuning seeds",
     "drift": "ask some of the kept cases again and write by how much the answers have moved",
 }
 
@@ -36,7 +37,7 @@ def parser() -> argparse.ArgumentParser:
         step = steps.add_parser(name, help=text)
         if name != "laws":
             step.add_argument("--jobs", type=int, default=2, help="processes on this machine")
-        if name in ("make", "run", "score", "all", "tune"):
+        if name in ("make", "run", "score", "all", "tune", "odds"):
             step.add_argument("--out", type=Path, required=True, help="folder of the cases, answers and table")
         if name in ("make", "run", "all"):
             step.add_argument(
@@ -65,12 +66,13 @@ def parser() -> argparse.ArgumentParser:
                 "--into", type=Path, action="append", default=[], help="also put the table into this page"
             )
             step.add_argument("--plots", type=Path, help="also draw the pictures into this folder")
-        if name == "tune":
+        if name in ("tune", "odds"):
             step.add_argument("--seeds", type=_seeds, required=True, help="FIRST:LAST, below those that are scored")
+            step.add_argument("--write", action="store_true", help="write what was found into the module")
+        if name == "tune":
             step.add_argument(
                 "--threshold", action="append", required=True, metavar="NAME=V,V", help="values to try (repeat)"
             )
-            step.add_argument("--write", action="store_true", help="write the best values into the module")
         if name == "drift":
             step.add_argument("--cases", type=int, default=150)
     return top
@@ -92,7 +94,7 @@ def asked(given: argparse.Namespace) -> list[Job]:
 def main(arguments: list[str] | None = None) -> int:
     """Run one step; data go to stdout, the rest to stderr."""
     given = parser().parse_args(arguments)
-    step = {"laws": _laws, "table": _table, "tune": _tune, "drift": _drift}.get(given.step)
+    step = {"laws": _laws, "table": _table, "tune": _tune, "odds": _odds, "drift": _drift}.get(given.step)
     if step:
         step(given)
         return 0
@@ -172,6 +174,16 @@ def _tune(given: argparse.Namespace) -> None:
     sys.stdout.writelines(f"{name} = {trial.value:g}\n" for name, trial in best(trials).items())
     if given.write:
         put(trials)
+
+
+def _odds(given: argparse.Namespace) -> None:
+    from examples.concealed.odds import collect, fitted, put, report
+
+    names, figures, right = collect(given.out.resolve(), given.seeds, given.jobs)
+    weights = fitted(figures, right)
+    sys.stdout.write(report(weights, names, figures, right))
+    if given.write:
+        put(weights, names)
 
 
 def _drift(given: argparse.Namespace) -> None:

@@ -30,6 +30,7 @@ _PRIORS = {
     "tendon_youngs_modulus_gpa": TENDON_MODULUS_PRIOR,
 }
 _LOGARITHMIC = ("youngs_modulus_gpa", "tendon_youngs_modulus_gpa")
+FROM_DATA_SHEETS = ("tendon_youngs_modulus_gpa",)
 _TRIVIAL = 1e-12
 
 
@@ -40,12 +41,14 @@ def build_joint_problem(
     *,
     without: Sequence[str] = (),
     noise: float | None = None,
+    trusting: bool = False,
 ) -> JointProblem:
     """Return the problem of fitting a configuration to runs.
 
     Args:
         held_out: for each run which rows are not fitted, (n,); none by default.
         without: ids of effects that are neither named nor rivals. noise: of the response, SI, where it is known.
+        trusting: whether numbers of data sheets are held as configured.
     """
     from coast_cli.effects.catalogue import build_effects
     from coast_cli.recordings.faults import faults_of, repeating_rows
@@ -73,7 +76,7 @@ def build_joint_problem(
     return JointProblem(
         runs=tuple(runs),
         joints=joints,
-        base=_free_parameters(config, runs, has_witness=witness),
+        base=_free_parameters(config, runs, has_witness=witness and not trusting),
         train=tuple(~rows for rows in held),
         usable=tuple(usable),
         tension_usable=tension_rows,

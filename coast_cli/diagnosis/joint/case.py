@@ -9,18 +9,20 @@ from typing import Any
 
 import numpy as np
 
-from coast_cli.diagnosis.answer import Errors, Named, SideBySide
+from coast_cli.diagnosis.answer import Errors, Named, SideBySide, Test
 from coast_cli.diagnosis.curves import JointCurve
 from coast_cli.diagnosis.fit import Fit, fit
 from coast_cli.diagnosis.holdout import HoldOut
 from coast_cli.diagnosis.joint.axes import locate_joint
+from coast_cli.diagnosis.joint.build import FROM_DATA_SHEETS
 from coast_cli.diagnosis.joint.errors import UNITS, errors_of, held_out_spread, to_unit
 from coast_cli.diagnosis.joint.holdout import ONE_RUN
+from coast_cli.diagnosis.joint.odds import Against
 from coast_cli.diagnosis.joint.openworld import OpenWorld
 from coast_cli.diagnosis.joint.problem import CONFIG_KEYS, JointProblem
 from coast_cli.diagnosis.joint.structure import Structure, find_structure
 from coast_cli.diagnosis.joint.told import display_of, known_of, laws_of, parting
-from coast_cli.diagnosis.joint.unseen import Unseen, foretold, strangers
+from coast_cli.diagnosis.joint.unseen import Unseen, foretold, runs_against_the_rest, strangers
 from coast_cli.diagnosis.joint.words import (
     SAME_SWEEP_AGAIN,
     joint_limits,
@@ -30,6 +32,7 @@ from coast_cli.diagnosis.joint.words import (
     untested,
 )
 from coast_cli.diagnosis.judge import (
+    SOMETHING_ELSE,
     Case,
     Leftover,
     Ruling,
@@ -39,17 +42,21 @@ from coast_cli.diagnosis.space import Booleans
 from coast_cli.diagnosis.spread import Spread, effect_keys, spread_of
 from coast_cli.diagnosis.thresholds import (
     ABOVE_NOISE,
+    AGREE_SIGMA,
     FAR_ABOVE_NOISE,
+    FLOOR_DOUBT,
     HARM,
     LEFT_TO_SAY,
     MAX_HELD_OUT_SHARE,
     MAX_UNEXPLAINED_SHARE,
     MAX_UNEXPLAINED_SHARE_OF_SETS,
+    REFUSED_NAMES,
     REPEATS,
-    SUREST_BESIDE_A_LAW,
+    SUREST,
 )
 from coast_cli.diagnosis.unnamed.search import LawFit
 from coast_cli.diagnosis.unnamed.words import Description, describe
+from coast_cli.effects.library.frozen_frames import FrozenFrames
 from coast_cli.effects.unnamed import UnnamedLaw
 from coast_cli.mechanics.section import FloatArray
 
@@ -61,7 +68,8 @@ class JointCase(Case):
     Attributes:
         choosing: rows that choose among hypotheses; ``kept_back`` are those that certify the choice.
         law: a law without a name that leads, or stands beside the names; None where there is none.
-        told: what the law competed with. has_laws: whether laws without a name compete at all.
+        told: what the law competed with. has_laws: whether laws without a name compete at all. is_closed: whether they did
+            compete, and unseen rows did not show one.
         is_stale: whether frames that repeat were named.
     """
 
@@ -70,6 +78,7 @@ class JointCase(Case):
     law: LawFit | None = field(default=None, kw_only=True)
     told: OpenWorld | None = field(default=None, kw_only=True)
     has_laws: bool = field(default=True, kw_only=True)
+    is_closed: bool = field(default=False, kw_only=True)
     is_stale: bool = field(default=False, kw_only=True)
 
     agrees = "the model as configured agrees with the recording within its noise"
@@ -163,14 +172,107 @@ class JointCase(Case):
         return f"{what} does not foretell what it was not fitted to ({'; '.join(parts[:3])})"
 
     @cached_property
-    def confidence(self) -> float:
-        """Probability of the leading names; where a law without a name must stand beside them, no more than even odds."""
-        most = 1.0 if self.described is None else float(SUREST_BESIDE_A_LAW)
-        return min(super().confidence, most)
+    def certainty(self) -> float:
+        """Probability that the names, or one of their rivals, are right."""
+        if self.kept_back.rule == ONE_RUN:
+            return float(SUREST)  # a part of that run, and every other run, certify what is said of it
+        return super().certainty if self.against is None else self.against.certainty
 
-    def named(self, final: Fit) -> tuple[Named, ...]:
+    @cached_property
+    def asked(self) -> OpenWorld:
+        """The names that lead, or led before a law took their place, against laws without a name."""
+        return self.told or self.open_world
+
+    @cached_property
+    def against(self) -> Against | None:
+        """What speaks against those names; None where there are none, or no law competes with them."""
+        world = self.asked
+        names, base = world.contest.leading.fit, self.contest.base.fit
+        if not self.has_laws or not names.effects or self.is_stale or self.kept_back.rule == ONE_RUN:
+            return None
+        left, before = world.left_over(names), world.left_over(base)
+        laws = () if world.is_complete else world.instead.laws[:1]
+        gain = max((world.gain(law, names) for law in laws), default=0.0)
+        # Where not even laws reach the noise, what is left is counted by what they leave.
+        reach = max((1.0, *(world.left_over(law.fit) for law in laws)))
+        certified = self.certified
+        if self.law is not None:
+            alone = fit(self.known, names.effects, names.coordinates, steps=0)
+            certified = foretold(self.known, alone, self.kept_back.rows)
+        unseen = certified.error / certified.allowed / reach if self.kept_back.any else 0.5
+        return Against(
+            left=float(np.log1p(left / reach)),
+            share=min(left / max(before, 1e-9), 1.0),
+            unseen=max(unseen - 0.5, 0.0),
+            asked=float(-np.log10(world.asked.p_value)),
+            gain=float(np.log1p(max(gain, 0.0))),
+            beside=float(world.added is not None),
+            names=float(len(names.effects) > 1),
+            doubt=min(self.problem.noise_estimate.log_level_std, float(FLOOR_DOUBT)),
+        )
+
+    @property
+    def strained(self) -> str:
+        """Which number of a data sheet the refitted base model needs to be off by more than chance; empty where none."""
+        said = []
+        for parameter, coordinate in zip(self.problem.base, self.contest.base.fit.coordinates, strict=True):
+            pull = (coordinate - parameter.inner) / parameter.prior
+            if parameter.name in FROM_DATA_SHEETS and abs(pull) > AGREE_SIGMA:
+                value = f"{parameter.outer(coordinate):.3g} instead of {parameter.value:.3g}"
+                said.append(
+                    f"{parameter.name} would be {value}, {abs(pull):.1f} standard deviations from its data sheet"
+                )
+        return "; ".join(said)
+
+    @property
+    def evidence(self) -> dict[str, float]:
+        """What speaks against the leading names, figure by figure; nothing where none lead."""
+        return {} if self.against is None else self.against.table()
+
+    def probabilities(self, ruling: Ruling) -> dict[str, float]:
+        """Return the probability of each name; where laws alone explain, of the names that come nearest."""
+        if self.law is None or self.told is None:
+            found = super().probabilities(ruling)
+            return found | {FrozenFrames.id: float(SUREST)} if self.is_stale else found
+        if self.against is not None:
+            chance = min(self.against.certainty, float(SUREST))
+            return dict.fromkeys(self.told.contest.leading.ids, chance) | {SOMETHING_ELSE: 1.0 - chance}
+        nearest = [identifier for identifier, _ in self.told.nearest]
+        chance = float(REFUSED_NAMES) / max(len(nearest), 1)
+        return dict.fromkeys(nearest, chance) | {SOMETHING_ELSE: 1.0 - chance * len(nearest)}
+
+    def believed(self, ruling: Ruling) -> float:
+        """Return the probability that the leading names, or their rivals, are right."""
+        return self.certainty if self.against is not None else super().believed(ruling)
+
+    def tried_in_vain(self, ruling: Ruling) -> tuple[str, ...]:
+        """Return the ids of names that were not good enough, also where a law took their place."""
+        if self.law is not None and self.told is not None and not self.names:
+            return self.told.contest.leading.ids
+        return super().tried_in_vain(ruling)
+
+    @property
+    def tests(self) -> tuple[Test, ...]:
+        """Unseen rows, every run against the others, and whether noise alone would ask as loudly for a law."""
+        found = []
+        if self.kept_back.any:
+            found.append(Test("rows_not_seen", self.certified.p_value, self.certified.passed))
+        if self.against_the_rest:
+            least = min(one.p_value for one in self.against_the_rest.values())
+            found.append(Test("every_run_against_the_others", least, not self.strangers))
+        if self.has_laws and self.told is None and not self.is_closed:
+            world = self.open_world
+            found.append(Test("no_law_without_a_name_is_asked_for", world.asked.p_value, world.is_complete))
+        return tuple(found)
+
+    @cached_property
+    def against_the_rest(self) -> dict[str, Unseen]:
+        """How well the other runs foretell each fitted run, to first order."""
+        return runs_against_the_rest(self.known, self.chosen_fit)
+
+    def named(self, ruling: Ruling, final: Fit) -> tuple[Named, ...]:
         """Return the leading effects that have a name."""
-        return tuple(one for one in super().named(final) if one.id in self.names)
+        return tuple(one for one in super().named(ruling, final) if one.id in self.names)
 
     @cached_property
     def known(self) -> JointProblem:
@@ -190,7 +292,7 @@ class JointCase(Case):
     @cached_property
     def strangers(self) -> dict[str, Unseen]:
         """Runs that the others do not foretell, by name."""
-        return strangers(self.known, self.chosen_fit, self.contest.base.fit)
+        return strangers(self.known, self.chosen_fit, self.contest.base.fit, self.against_the_rest)
 
     @cached_property
     def is_refused_by_unseen_rows(self) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -56,44 +57,58 @@ def diagnose_joint(
     Raises:
         BadInput: a run to hold out does not exist.
     """
+    asked = _Question(config, runs, most_effects, without, noise)
     certifying = hold_out(runs, named_hold_out)
-    found = _judged(config, runs, certifying, most_effects, without, noise)
-    if not isinstance(found, Diagnosis):
-        case, ruling = found
-        if case.is_refused_by_unseen_rows and certifying.chosen:
-            # The rows kept back may be what differs: with others kept back in their place that can be seen.
-            other = hold_out_others(runs, certifying)
-            again = _judged(config, runs, other, most_effects, without, noise) if other is not None else None
-            if isinstance(again, tuple) and not again[0].is_refused_by_unseen_rows:
-                case, ruling = again
-        found = case.diagnosis(ruling)
-    return found
+    found = asked.judged(certifying)
+    if isinstance(found, Diagnosis):
+        return found
+    case, ruling = found
+    if case.is_refused_by_unseen_rows and certifying.chosen:
+        # The rows kept back may be what differs: with others kept back in their place that can be seen.
+        other = hold_out_others(runs, certifying)
+        again = asked.judged(other) if other is not None else None
+        if isinstance(again, tuple) and not again[0].is_refused_by_unseen_rows:
+            case, ruling = again
+    strained = case.strained if ruling.verdict == "parameters" else ""
+    again = asked.judged(certifying, trusting=True) if strained else None
+    if isinstance(again, tuple) and again[1].verdict not in ("agrees", "parameters", "unexplained"):
+        answer = again[0].diagnosis(again[1])
+        return replace(answer, reason=f"{answer.reason}; without it {strained}")
+    answer = case.diagnosis(ruling)
+    return replace(answer, notes=(*answer.notes, strained)) if strained else answer
 
 
-def _judged(
-    config: Config,
-    runs: Sequence[JointRun],
-    certifying: HoldOut,
-    most_effects: int,
-    without: Sequence[str],
-    noise: float | None,
-) -> tuple[JointCase, Ruling] | Diagnosis:
-    """Return the judged case, or the whole answer where the recording cannot decide."""
-    choosing = rows_that_choose(runs, certifying)
-    fitted = [~(one | other) for one, other in zip(certifying.rows, choosing.rows, strict=True)]
-    known = build_joint_problem(config, runs, certifying.rows, without=without, noise=noise)
-    problem = known.only(fitted)
-    reason = _insufficient(problem)
-    if reason:
-        kind = problem.runs[0].kind
-        return Diagnosis(
-            "insufficient", reason, to_unit(kind, problem.noise), UNITS[kind], next_recording=FIRST_RECORDING
+@dataclass(frozen=True, slots=True)
+class _Question:
+    """What was asked: a model, runs, how large sets may be, what is concealed, and the noise where it is known, SI."""
+
+    config: Config
+    runs: Sequence[JointRun]
+    most_effects: int
+    without: Sequence[str]
+    noise: float | None
+
+    def judged(self, certifying: HoldOut, *, trusting: bool = False) -> tuple[JointCase, Ruling] | Diagnosis:
+        """Return the judged case, or the whole answer where the recording cannot decide.
+
+        Args:
+            certifying: rows that no fit sees. trusting: whether numbers of data sheets are held.
+        """
+        choosing = rows_that_choose(self.runs, certifying)
+        fitted = [~(one | other) for one, other in zip(certifying.rows, choosing.rows, strict=True)]
+        known = build_joint_problem(
+            self.config, self.runs, certifying.rows, without=self.without, noise=self.noise, trusting=trusting
         )
-    start = JointCase(
-        problem, certifying, run_contest(problem, most_effects), choosing=choosing, has_laws=most_effects > 0
-    )
-    case, ruling = judge(start, JOINT_RULES)
-    return case, ruling
+        problem = known.only(fitted)
+        reason = _insufficient(problem)
+        if reason:
+            kind = problem.runs[0].kind
+            return Diagnosis(
+                "insufficient", reason, to_unit(kind, problem.noise), UNITS[kind], next_recording=FIRST_RECORDING
+            )
+        contest = run_contest(problem, self.most_effects)
+        start = JointCase(problem, certifying, contest, choosing=choosing, has_laws=self.most_effects > 0)
+        return judge(start, JOINT_RULES)
 
 
 def _insufficient(problem: JointProblem) -> str:

@@ -170,6 +170,7 @@ class JointProblem:
             "clipped": any(one.clipped.any() for one in self.faults),
             "frozen": self.frozen_fraction > 0.0,
             "load": False,
+            "far_end": self.tension_noise is not None,
         }
 
     @property

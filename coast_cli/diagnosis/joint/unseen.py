@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.special import chdtrc
 
 from coast_cli.diagnosis.fit import Fit, fit, rms
 from coast_cli.diagnosis.joint.problem import JointProblem
@@ -20,11 +21,15 @@ _MOST_SUSPECTS = 3
 
 @dataclass(frozen=True, slots=True)
 class Unseen:
-    """Rows that a fit has not seen: the error, and what is allowed, both in noise widths; and over how many rows."""
+    """Rows that a fit has not seen: the error, and what is allowed, both in noise widths; and over how many rows.
+
+    ``p_value`` is the chance of a larger error, were all noise, doubt and small misfit that are granted there.
+    """
 
     error: float
     allowed: float
     count: int
+    p_value: float
 
     @property
     def passed(self) -> bool:
@@ -36,18 +41,18 @@ def foretold(problem: JointProblem, fitted: Fit, rows: Sequence[Booleans]) -> Un
     """Return how well a fit foretells rows; ``problem`` is the one that it was fitted to."""
     unseen = problem.only(rows)
     if unseen.observed.size == 0:
-        return Unseen(0.0, float(MOST_UNSEEN_NOISE), 0)
+        return Unseen(0.0, float(MOST_UNSEEN_NOISE), 0, 1.0)
     residual, slopes = _residual_and_slopes(unseen, fitted)
     return _judged(problem, residual, slopes, fitted.covariance)
 
 
-def strangers(problem: JointProblem, fitted: Fit, base: Fit) -> dict[str, Unseen]:
+def strangers(problem: JointProblem, fitted: Fit, base: Fit, runs: Mapping[str, Unseen]) -> dict[str, Unseen]:
     """Return by name the fitted runs that the others do not foretell: seen to first order, then refitted without the run.
 
     A law without a name may bend anywhere, so a run that the others do not foretell speaks against it only where it does
-    worse there than ``base``, the fit of the base model.
+    worse there than ``base``, the fit of the base model. ``runs``: how well the others foretell each, to first order.
     """
-    suspects = {name: one for name, one in runs_against_the_rest(problem, fitted).items() if not one.passed}
+    suspects = {name: one for name, one in runs.items() if not one.passed}
     worst = sorted(suspects, key=lambda name: (-suspects[name].error / suspects[name].allowed, name))[:_MOST_SUSPECTS]
     found = {}
     for name in worst:
@@ -102,7 +107,14 @@ def _judged(problem: JointProblem, residual: FloatArray, slopes: FloatArray, cov
     doubt = float(np.sqrt(max(float(np.mean(np.einsum("ij,jk,ik->i", slopes, covariance, slopes))), 0.0)))
     chance = _stretch(problem) / max(residual.size, 1)
     allowed = MOST_UNSEEN_NOISE * (1.0 + np.sqrt(2.0 * chance))
-    return Unseen(rms(residual) / level, float(np.hypot(allowed, UNSEEN_DOUBT * doubt / level)), residual.size)
+    error = rms(residual) / level
+    granted = np.hypot(MOST_UNSEEN_NOISE, doubt / level)
+    return Unseen(
+        error,
+        float(np.hypot(allowed, UNSEEN_DOUBT * doubt / level)),
+        residual.size,
+        float(chdtrc(1.0 / chance, (error / granted) ** 2 / chance)),
+    )
 
 
 def _residual_and_slopes(problem: JointProblem, fitted: Fit) -> tuple[FloatArray, FloatArray]:

@@ -5,13 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from coast_cli.effects.effect import History, Parameter
-from coast_cli.effects.stages import OnDrive
+from coast_cli.effects.stages import OnDrive, OnTendon
+from coast_cli.mechanics.joint import Joint
+from coast_cli.mechanics.section import FloatArray
 from coast_cli.units import MILLIMETRE
 
 
 @dataclass(frozen=True)
-class TransmissionCompliance(OnDrive):
-    """Stroke that the load of the far end takes."""
+class TransmissionCompliance(OnTendon, OnDrive):
+    """Stroke that the load of the far end takes; where no load was recorded, that load is the tendon's tension."""
 
     compliance_mm: float = 0.0
 
@@ -24,7 +26,7 @@ class TransmissionCompliance(OnDrive):
     parameters = (
         Parameter("compliance_mm", 0.0, -1e5, 1e5, (0.05, -0.05), "mm a unit (N or N m) of load", "compliance"),
     )
-    needs = ("load",)
+    needs = ("far_end",)
     decided_by = "the same sweep at two loads, with the load recorded"
 
     def drive(self, history: History) -> History:
@@ -35,3 +37,9 @@ class TransmissionCompliance(OnDrive):
         if history.stroke is not None:
             return replace(history, stroke=history.stroke - lost)
         return replace(history, tension=history.drive - lost)
+
+    def stretch(self, stretch: FloatArray, tension: FloatArray, joint: Joint) -> FloatArray:
+        """Add what the tendon's tension stretches of the cable."""
+        if self.compliance_mm == 0.0 or joint.tendon is None:
+            return stretch
+        return stretch + self.compliance_mm * MILLIMETRE * tension
