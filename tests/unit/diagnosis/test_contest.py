@@ -11,8 +11,8 @@ from coast_cli.effects.library.backlash import Backlash
 from tests.modelled_joint import CONFIG, recording
 
 
-def hypothesis(*ids, score=0.0, parameters=1):
-    fit = SimpleNamespace(ids=ids, parameter_count=parameters, rmse=1.0)
+def hypothesis(*ids, score=0.0, parameters=1, likelihood=0.0):
+    fit = SimpleNamespace(ids=ids, parameter_count=parameters, rmse=1.0, log_likelihood=likelihood)
     return Hypothesis(fit, frozenset((identifier, 0.0) for identifier in ids), score)
 
 
@@ -39,9 +39,11 @@ def test_an_effect_pays_for_being_named():
 def test_alternatives_are_no_larger_and_close_and_the_best_of_their_ids():
     leading = hypothesis("a", score=30.0)
     close, twin = hypothesis("b", score=30.0 - 0.5 * ALIKE_NATS), hypothesis("b", score=29.9 - 0.5 * ALIKE_NATS)
-    far, larger = hypothesis("c", score=29.0 - ALIKE_NATS), hypothesis("a", "d", score=31.0)
+    far, larger = hypothesis("c", score=29.0 - ALIKE_NATS, likelihood=-1.0), hypothesis("a", "d", score=31.0)
     contest = Contest(BASE, (larger, leading, close, twin, far, BASE), leading)
     assert contest.alternatives() == (close,)
+    as_close = hypothesis("c", score=30.5 - EFFECT_NATS, likelihood=0.1)
+    assert Contest(BASE, (leading, close, as_close, BASE), leading).alternatives() == (close, as_close)
     assert Contest(BASE, (BASE,), BASE).alternatives() == ()
 
 
