@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from coast_cli.effects.effect import History, Parameter
-from coast_cli.effects.stages import OnDrive, OnTendon
+from coast_cli.effects.stages import OnDrive, OnStretch
 from coast_cli.mechanics.joint import Joint
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.units import MILLIMETRE
 
 
 @dataclass(frozen=True)
-class TransmissionCompliance(OnTendon, OnDrive):
+class TransmissionCompliance(OnStretch, OnDrive):
     """Stroke that the load of the far end takes; where no load was recorded, that load is the tendon's tension."""
 
     compliance_mm: float = 0.0
