@@ -50,6 +50,7 @@ def path(
 
     import numpy as np
 
+    from coast_cli.design.checks import jump_told
     from coast_cli.design.path import plan_path
     from coast_cli.errors import UsageError
     from coast_cli.output.answer import Answer, Columns
@@ -82,6 +83,6 @@ def path(
     names = "/".join(name for name in design.pair(pair) if name)
     options = {"pair": names, "within": within, "points": points, "back": back}
     origin = provenance(*documents, recordings=[(followed.source, followed.digest)], options=options)
-    notes = (*design.notes, *design.uncorrected_joint, *plan.notes)
+    notes = (*design.notes, *design.uncorrected_joint, *plan.notes, *jump_told(design, pair))
     write_answer(Answer("path", Columns(plan.columns), origin, notes), format, output or ())
     return 0 if plan.reached else 1

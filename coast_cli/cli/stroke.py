@@ -66,6 +66,7 @@ def stroke(
     calibrated or diagnosed model gives its 90 % band.
     """
     from coast_cli.design.bands import alternatives, told_of
+    from coast_cli.design.checks import jump_told
     from coast_cli.design.stroke import stroke_table
     from coast_cli.errors import UsageError
     from coast_cli.output.answer import Answer, Columns
@@ -118,7 +119,13 @@ def stroke(
         from coast_cli.output.design_plot import plot_strokes
 
         plot_strokes(columns).write(plot)
-    notes = (*design.notes, *design.uncorrected_joint, *notes, *told_of(document, tolerances=tolerances))
+    notes = (
+        *design.notes,
+        *design.uncorrected_joint,
+        *notes,
+        *jump_told(design, pair),
+        *told_of(document, tolerances=tolerances),
+    )
     options = ({"tolerances": True} if tolerances else {}) | ({"branch": branch} if branch != "load" else {})
     origin = provenance(document, options=options)
     answer = Answer("stroke", Columns(columns), origin, notes)

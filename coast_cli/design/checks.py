@@ -74,6 +74,18 @@ def limits_told(config: Config) -> tuple[str, ...]:
     )
 
 
+def jump_told(design: Design, pair: str | None = None) -> tuple[str, ...]:
+    """Return the note on a forecast of a jump that passes checks.min_snap_margin; none without that limit."""
+    checks, asked = design.config.checks, design.pair(pair)
+    if checks is None or checks.min_snap_margin is None:
+        return ()
+    margin = float(_snap_margin(design, asked).min())
+    if margin >= checks.min_snap_margin:
+        return ()
+    words = f"forecast margin {margin:.3g} below {checks.min_snap_margin:g} (checks.min_snap_margin)"
+    return (f"past a limit: {words}; `coast snap` says where the pair would jump.",)
+
+
 def refused(config: str, error: BadInput | NotConverged) -> Row:
     """Return the row of a configuration that could not be checked."""
     names = ("config", "pair", "check", "bound", "value", "limit", "passed", "line", "stopped_by", "error")

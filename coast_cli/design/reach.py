@@ -152,4 +152,12 @@ def web_limits(curvature: FloatArray, webs: Webs, checks: Checks | None, *, clos
     if checks is not None and checks.max_web_strain is not None:
         limit = checks.max_web_strain
         found.append((strain > limit, f"web strain {largest:.3g} above {limit:g} (checks.max_web_strain)"))
+    if checks is not None and checks.fatigue is not None:
+        limit = checks.fatigue.amplitude
+        words = f"strain amplitude {0.5 * largest:.3g} from straight above {limit:g} (checks.fatigue)"
+        found.append((0.5 * strain > limit, words))
+    if checks is not None and checks.min_closure_margin is not None:
+        limit = checks.min_closure_margin
+        words = f"notch faces touch at less than {limit:g} times the curvature (checks.min_closure_margin)"
+        found.append((curvature * limit > closing, words))
     return found

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from coast_cli.design.checks import check_design, limits_told
+from coast_cli.design.checks import check_design, jump_told, limits_told
 from coast_cli.design.limits import at_the_point
 from coast_cli.design.snapping import snap_rows
+from coast_cli.design.stroke import stroke_table
 from coast_cli.errors import BadInput
 from coast_cli.mechanics.joint import stroke
 from coast_cli.mechanics.tubes import tubes_of
@@ -120,3 +121,20 @@ def test_where_the_fatigue_limit_comes_from_is_said(reference_text):
     assert limits_told(load_config_text(reference_text)) == ()
     with pytest.raises(BadInput, match="a source is named"):
         load_config_text(reference_text + 'fatigue = { source = "our rig" }\n')
+
+
+def test_a_stroke_past_fatigue_or_near_closing_is_told(reference_text):
+    config = load_config_text(reference_text + "fatigue = {}\nmin_closure_margin = 20.0\n")
+    joint = build(config).joint()
+    _, told = stroke_table(joint, [0.04], curvatures=[10.0, 80.0], checks=config.checks)
+    assert any("80 1/m" in note and "(checks.fatigue)" in note for note in told)
+    assert any("80 1/m" in note and "(checks.min_closure_margin)" in note for note in told)
+    _, told = stroke_table(joint, [0.04], curvatures=[10.0], checks=config.checks)
+    assert not any("checks." in note for note in told)
+
+
+def test_a_pair_that_would_jump_is_told(reference_text):
+    design = build(load_config_text(reference_text + "min_snap_margin = 0.0\n"))
+    assert jump_told(design, "OT4/MT1") == ()
+    assert "below 0 (checks.min_snap_margin)" in jump_told(design, "OT3/MT1")[0]
+    assert jump_told(build(load_config_text(reference_text)), "OT3/MT1") == ()
