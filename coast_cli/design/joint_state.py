@@ -10,11 +10,12 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import cos, exp, expm1, isfinite, pi, sin
+from math import cos, isfinite, pi, sin
 from typing import NamedTuple
 
 import numpy as np
 
+from coast_cli.design.stepped import Creep, LawSlack, PermanentSet, Slack, StepLaw, Values, relaxed
 from coast_cli.effects.catalogue import in_order
 from coast_cli.effects.effect import Effect, acting
 from coast_cli.effects.forward import Layout, Tables
@@ -24,6 +25,8 @@ from coast_cli.effects.library.camera_offset import CameraOffset
 from coast_cli.effects.library.camera_scale import CameraScale
 from coast_cli.effects.library.leadscrew_pitch_error import SCREW_PITCH, LeadscrewPitchError
 from coast_cli.effects.library.sensor_lag import SensorLag
+from coast_cli.effects.library.tendon_creep import TendonCreep
+from coast_cli.effects.library.tendon_permanent_set import TendonPermanentSet
 from coast_cli.effects.memory import waiting_parts
 from coast_cli.effects.stages import (
     OnBranches,
@@ -37,6 +40,7 @@ from coast_cli.effects.stages import (
     OnTubes,
 )
 from coast_cli.effects.stations import Stations, require_one_shape
+from coast_cli.effects.unnamed import UnnamedLaw, Variable
 from coast_cli.errors import BadInput, UsageError
 from coast_cli.mechanics.joint import Joint, Tendon
 from coast_cli.units import MILLIMETRE
@@ -44,7 +48,10 @@ from coast_cli.units import MILLIMETRE
 _LENGTHS = 9  # tabulated bending lengths, as many as the forward model takes of a run that slides X2
 _DRIVES = (LeadscrewPitchError, Backlash, BendingLengthOffset)
 _CAMERAS = (CameraScale, CameraOffset, SensorLag)
-_NOT_STEPPED: tuple[type[Effect], ...] = (OnSlack, OnDrag, OnSettling, OnDrift)
+_SLACKS = (TendonCreep, TendonPermanentSet)
+_NOT_STEPPED: tuple[type[Effect], ...] = (OnDrag, OnSettling, OnDrift)
+_NOT_KNOWN = ("rate", "path", "run")  # what a step does not know of its history
+_SLACK_SWEEPS, _SLACK_TOLERANCE = 40, 1e-10  # m
 _SHORTEST = 1e-4  # m, as BendingLengthOffset has it
 _FEW, _TENSIONS = 1e-8, 16385
 
@@ -109,8 +116,11 @@ class JointState:
             raise BadInput("a joint is stepped by its stroke, and there is no [tendon] table")
         low, high = self._range = _range(joint, bending_lengths)
         require_one_shape(joint, low, high)
-        self._drives = [effect for effect in ordered if isinstance(effect, _DRIVES)]
-        self._cameras = [effect for effect in ordered if isinstance(effect, _CAMERAS)]
+        self._drives = [effect for effect in ordered if isinstance(effect, _DRIVES) or _law_at(effect, "drive")]
+        self._cameras = [effect for effect in ordered if isinstance(effect, _CAMERAS) or _law_at(effect, "sensor")]
+        self._laws = {effect.id: StepLaw(effect) for effect in ordered if isinstance(effect, UnnamedLaw)}
+        self._slacks = _slacks(ordered, joint.tendon.stiffness)
+        self._clock, self._begun = 0.0, False
         offset = sum(e.offset_mm * MILLIMETRE for e in self._drives if isinstance(e, BendingLengthOffset))
         low, high = (max(length + offset, _SHORTEST) for length in (low, high))
         self._lengths = np.unique(np.linspace(low, high, _LENGTHS if high > low else 1)).tolist()
@@ -143,22 +153,46 @@ class JointState:
             allowed = f"{self._range[0]:g} to {self._range[1]:g}, as bending_lengths says"
             raise UsageError(f"step: X2 {bending_length:g} m: allowed: {allowed}.")
         drive, length = stroke, bending_length
+        self._clock += dt if self._begun else 0.0
         for place, effect in enumerate(self._drives):
-            drive, length = self._driven(place, effect, drive, length)
+            drive, length = self._driven(place, effect, dt, drive, length)
         left, part = self._between(length)
-        each = self._moved(drive - self._deadband, left, part)
+        slack, each = self._slackened(dt, drive, length, left, part)
         segment = self._segment
         curvature = segment.mean(each)
-        stretch = drive - self._deadband - segment.shortening(each, length)
+        stretch = drive - slack - self._deadband - segment.shortening(each, length)
         bend = curvature * length
         half = bend / 2.0
         chord = length if abs(half) < _FEW else length * sin(half) / half
         seen = curvature
         for place, camera in enumerate(self._cameras):
-            seen = self._shown(place, camera, dt, seen)
+            seen = self._shown(place, camera, dt, seen, self._values(stroke, bending_length))
+        self._begun = True
         return JointStep(curvature, self._pull.tension(max(stretch, 0.0)), chord * cos(half), chord * sin(half), seen)
 
-    def _driven(self, place: int, effect: Effect, drive: float, length: float) -> tuple[float, float]:
+    def _values(self, drive: float, length: float) -> dict[Variable, float]:
+        """Return the variables that a law may depend on."""
+        return {"stroke": drive, "tension": drive, "bending_length": length, "time": self._clock}
+
+    def _slackened(self, dt: float, drive: float, length: float, left: int, part: float) -> tuple[float, Row]:
+        """Return the tendon length (m) that slack takes, and the curvature of each station behind it."""
+        if not self._slacks:
+            return 0.0, self._moved(drive - self._deadband, left, part)
+        waiting, taken, values = self._waiting, 0.0, self._values(drive, length)
+        for sweep in range(_SLACK_SWEEPS):
+            self._waiting = list(waiting)
+            each = self._moved(drive - taken - self._deadband, left, part)
+            stretch = drive - taken - self._deadband - self._segment.shortening(each, length)
+            tension = self._pull.tension(max(stretch, 0.0))
+            change = sum(slack.at(dt, tension, values) for slack in self._slacks) - taken
+            if abs(change) < _SLACK_TOLERANCE:
+                break
+            taken += change if sweep < _SLACK_SWEEPS // 3 else 0.5 * change
+        for slack in self._slacks:
+            slack.keep()
+        return taken, each
+
+    def _driven(self, place: int, effect: Effect, dt: float, drive: float, length: float) -> tuple[float, float]:
         if isinstance(effect, Backlash):
             width = effect.width_mm * MILLIMETRE
             drive = self._play[place] = min(max(self._play.get(place, drive), drive), drive + width)
@@ -167,7 +201,16 @@ class JointState:
             drive += (effect.sine_mm * sin(turn) + effect.cosine_mm * cos(turn)) * MILLIMETRE
         elif isinstance(effect, BendingLengthOffset):
             length = max(length + effect.offset_mm * MILLIMETRE, _SHORTEST)
+        elif isinstance(effect, UnnamedLaw):
+            drive = self._by_law(effect, dt, drive, MILLIMETRE, self._values(drive, length))
         return drive, length
+
+    def _by_law(self, law: UnnamedLaw, dt: float, value: float, unit: float, values: Values) -> float:
+        """Return a value with what a law adds to it, or where its play leaves it."""
+        one = self._laws[law.id]
+        found = one.moved(value, unit, values) if one.rubs else value + one.added(dt, values) * unit
+        one.keep()
+        return found
 
     def _between(self, length: float) -> tuple[int, float]:
         """Return the tabulated length below a length, and where it lies up to the next."""
@@ -199,7 +242,9 @@ class JointState:
             )
         return tuple([sum(states) / len(self._parts) for states in zip(*self._waiting, strict=True)])
 
-    def _shown(self, place: int, camera: Effect, dt: float, value: float) -> float:
+    def _shown(self, place: int, camera: Effect, dt: float, value: float, values: Values) -> float:
+        if isinstance(camera, UnnamedLaw):
+            return self._by_law(camera, dt, value, 1.0, {**values, "curvature": value})
         if isinstance(camera, CameraScale):
             return value * camera.scale
         if isinstance(camera, CameraOffset):
@@ -266,10 +311,7 @@ class _Lag:
         if self._time_constant <= _FEW:
             self._value = target
         else:
-            step = dt / self._time_constant
-            decay = exp(-step)
-            ramp = step / 2.0 if step < _FEW else 1.0 + expm1(-step) / step
-            self._value = decay * self._value + (1.0 - decay - ramp) * self._target + ramp * target
+            self._value = relaxed(self._value, self._target, target, dt / self._time_constant)
         self._target = target
         return self._value
 
@@ -290,15 +332,42 @@ class _Lag:
 def _check(effects: Sequence[Effect]) -> None:
     """Refuse effects that the steps leave out."""
     for effect in effects:
-        of_drive = acting([effect], OnDrive) and not isinstance(effect, _DRIVES)
-        of_camera = acting([effect], OnSensor) and not isinstance(effect, _CAMERAS)
-        if of_drive or of_camera or any(acting([effect], stage) for stage in _NOT_STEPPED):
+        if _is_left_out(effect):
             raise BadInput(
                 "this correction needs more of the history than a step has",
                 key=f"corrections.{effect.id}",
-                allowed="corrections by friction, play, notches and rest shape",
+                allowed="corrections by friction, play, screw, notches, rest shape, creep, set, scale and lag of the camera; laws"
+                " without a name but those by rate, path or run, play of the tendon, and lags in the tubes or in friction",
                 hint="coast_cli.effects.forward.predict takes whole histories.",
             )
+
+
+def _is_left_out(effect: Effect) -> bool:
+    slackens = bool(acting([effect], OnSlack))
+    if any(acting([effect], stage) for stage in _NOT_STEPPED):
+        return True
+    if isinstance(effect, UnnamedLaw):
+        return effect.variable in _NOT_KNOWN or (slackens and effect.memory == "friction")
+    of_drive = acting([effect], OnDrive) and not isinstance(effect, _DRIVES)
+    of_camera = acting([effect], OnSensor) and not isinstance(effect, _CAMERAS)
+    return bool(of_drive or of_camera or (slackens and not isinstance(effect, _SLACKS)))
+
+
+def _law_at(effect: Effect, place: str) -> bool:
+    return isinstance(effect, UnnamedLaw) and effect.place == place
+
+
+def _slacks(effects: Sequence[Effect], stiffness: float) -> list[Slack]:
+    """Return what adds tendon length by what the tension was."""
+    found: list[Slack] = []
+    for effect in effects:
+        if isinstance(effect, TendonCreep):
+            found.append(Creep(effect, stiffness))
+        elif isinstance(effect, TendonPermanentSet):
+            found.append(PermanentSet(effect))
+        elif isinstance(effect, UnnamedLaw) and acting([effect], OnSlack):
+            found.append(LawSlack(effect))
+    return found
 
 
 def _range(joint: Joint, lengths: tuple[float, float]) -> tuple[float, float]:

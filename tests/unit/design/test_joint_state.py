@@ -12,6 +12,14 @@ from coast_cli.mechanics.joint import curvature_from_stroke, tip
 from coast_cli.spec.build import build
 from coast_cli.spec.load import load_config_text
 
+
+def law(stage, variable, memory, weights, high, setting=0.0):
+    """The table of a law without a name, as a model file has it."""
+    names = ("stage", "variable", "memory", "setting", "low", "high", "weights")
+    return dict(zip(names, (stage, variable, memory, setting, 0.0, high, list(weights)), strict=True))
+
+
+ITERATED = ("creep", "set", "laws of the tendon")  # the forward model to 1e-8 m of slack
 MEMORIES = {
     "nothing": {},
     "friction": {"coulomb_friction": {"holds_per_m": 6.0, "spread": 0.4, "held_per_m": 2.0}},
@@ -27,6 +35,24 @@ MEMORIES = {
         "tendon_superelasticity": {"knee_n": 1.0, "extra_compliance": 2.0},
     },
     "camera": {"camera_scale": {"scale": 1.1}, "sensor_lag": {"time_constant_s": 0.2, "delay_s": 0.15}},
+    "creep": {"tendon_creep": {"fraction": 0.3, "time_constant_s": 1.5}},
+    "set": {"tendon_permanent_set": {"slack_mm_per_n": 0.15, "threshold_n": 0.4}, "backlash": {"width_mm": 0.1}},
+    "laws of the segment": {
+        "unnamed_1": law("structure", "curvature", "friction", (3.0, 1.0), 60.0),
+        "unnamed_2": law("transmission", "curvature", "none", (0.05, 0.02), 60.0),
+    },
+    "laws of drive and camera": {
+        "unnamed_1": law("drive", "stroke", "friction", (0.06,), 5e-3),
+        "unnamed_2": law("sensor", "curvature", "none", (0.5, 1.0), 60.0),
+    },
+    "laws that come late": {
+        "unnamed_1": law("drive", "stroke", "relaxation", (0.2,), 5e-3, 1.5),
+        "unnamed_2": law("sensor", "curvature", "relaxation", (2.0,), 60.0, 0.7),
+    },
+    "laws of the tendon": {
+        "unnamed_1": law("tendon", "tension", "maximum", (0.05,), 2.0),
+        "unnamed_2": law("tendon", "tension", "none", (0.05, 0.02), 2.0),
+    },
     "snap": {"snap_through": {"curvature_per_m": 20.0, "drop": 0.3, "sharpness": 0.2, "back": 0.5}},
 }
 LOW, HIGH, ROWS, LIMIT = 0.02, 0.04, 241, 120.0
@@ -63,19 +89,20 @@ def test_steps_are_the_forward_model_of_the_history(joint, name, sliding):
     effects, run = build_effects(MEMORIES[name]), history(sliding=sliding)
     expected = predict(joint, effects, [run], Layout("curvature", 1, LIMIT))[0]
     found = stepped(joint, effects, run)
-    np.testing.assert_allclose([step.seen_curvature for step in found], expected.response[:, 0], rtol=1e-9, atol=1e-9)
-    coarse = 1e-3 if name == "rest and plateau" else 1e-9  # the forward model's own table of the tendon
+    near = 2e-3 if name in ITERATED else 1e-9
+    np.testing.assert_allclose([step.seen_curvature for step in found], expected.response[:, 0], rtol=near, atol=near)
+    coarse = 1e-3 if name in ("rest and plateau", *ITERATED) else 1e-9  # the forward model's own table of the tendon
     np.testing.assert_allclose([step.tension for step in found], expected.tension, rtol=coarse, atol=coarse)
 
 
-@pytest.mark.parametrize("name", ["friction", "capstan", "play and screw", "snap"])
+@pytest.mark.parametrize("name", [name for name in MEMORIES if name not in ("nothing", "camera")])
 def test_memories_do_remember(joint, name):
     run = history(sliding=False)
     plain, held = (
-        np.array([one.curvature for one in stepped(joint, build_effects(MEMORIES[key]), run)])
+        np.array([one.seen_curvature for one in stepped(joint, build_effects(MEMORIES[key]), run)])
         for key in ("nothing", name)
     )
-    assert np.abs(held - plain).max() > 1.0
+    assert np.abs(held - plain).max() > 0.5
 
 
 def test_without_corrections_it_is_the_joint_model(joint):
@@ -90,8 +117,11 @@ def test_without_corrections_it_is_the_joint_model(joint):
 @pytest.mark.parametrize(
     "effect",
     [
-        {"tendon_creep": {"fraction": 0.1, "time_constant_s": 5.0}},
-        {"tendon_permanent_set": {"slack_mm_per_n": 0.1}},
+        {"lost_steps": {"lost_mm": 0.1, "time_s": 5.0}},
+        {"viscous_friction": {"time_constant_s": 0.1}},
+        {"unnamed_1": law("structure", "curvature", "relaxation", (1.0,), 60.0, 2.0)},
+        {"unnamed_1": law("drive", "rate", "none", (0.1,), 1.0)},
+        {"unnamed_1": law("tendon", "tension", "friction", (0.05,), 2.0)},
         {"thermal_drift": {"stiffness_change": 0.1, "time_constant_s": 5.0}},
         {"tube_hysteresis": {"upper_plateau_mpa": 300.0, "lower_plateau_mpa": 100.0, "stiffness_lost": 0.9}},
     ],
