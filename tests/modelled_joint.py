@@ -64,7 +64,7 @@ def recording(
     for number, length in enumerate(lengths):
         stroke = cycle(TOP * (0.85 if length < 0.03 else 1.0))
         blank.append(make_run(stroke, np.zeros(stroke.size), name=f"run_{number}", length=length, **changes))
-    histories = [History(run.time, run.stroke, None, run.bending_length) for run in blank]
+    histories = [History(run.time, run.stroke, None, run.bending_length, run=n) for n, run in enumerate(blank)]
     found = predict(joint, effects, histories, Layout("curvature", 1, 160.0))
     runs = []
     for run, prediction in zip(blank, found, strict=True):

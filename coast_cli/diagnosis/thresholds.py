@@ -172,6 +172,9 @@ UNSEEN_DOUBT = Threshold(1.9, "standard deviations", "of the fit's own doubt tha
 ENDS_EARLY = Threshold(0.003, "of the tube", "by which a trace must be short for its end not to be the tip", _REASON)
 BEGINS_LATE = Threshold(0.03, "of the tube", "after the clamp at which a trace must begin for it to be said", _REASON)
 ENDS_EARLY_NATS = Threshold(3.0, "nats", "that a trace pays which ends before the tip", _REASON)
+MOMENT_NATS = Threshold(
+    10.0, "nats", "that one more moment of lost steps must explain: one row in some hundreds", _REASON
+)
 
 # The odds that a joint's names are right: log odds, less a weight times each figure that speaks against them.
 ODDS_CONSTANT = Threshold(3.2, "log odds", "of names against which nothing speaks", _PILOT)

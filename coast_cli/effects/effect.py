@@ -35,7 +35,7 @@ Need = Literal[
     "period",
     "load",
     "far_end",
-    "clipped",
+    "flat_end",
     "frozen",
 ]
 Scale = Literal[
@@ -68,12 +68,12 @@ class Parameter:
         starts: values from which a fit is started, as given or, with ``relative_to``, times that scale of the data.
         source: where the range comes from.
         needs: what a recording must hold for this number to be looked for; elsewhere it stays at its null.
-        role: "size" where the null makes the effect vanish, "shape" where it only says how it acts, "run", "tube" or "by_tube"
-            where it says on which one it sits, which is chosen, "found" where the rows themselves say it; these are not fitted.
+        role: "size" where the null makes the effect vanish, "shape" where it only says how it acts; "run", "tube" or "by_tube"
+            where it says on which one it sits and "moment" when, which is chosen; "found" where the rows themselves say it.
         relative_to: the largest of this in the recording is what ``starts`` are multiples of; empty for absolute. Of
             photographs "weight" is a tube's, mN, and "gradient" what changes a curvature by 1/m over its length.
         expected: mean and standard deviation where physics foretells it. logarithmic: whether a fit moves it by factors.
-            Both are read of photographs alone.
+            Of joints only a parameter with both: median, and standard deviation of the natural logarithm.
     """
 
     name: str
@@ -83,7 +83,7 @@ class Parameter:
     starts: tuple[float, ...]
     source: str
     relative_to: Scale = ""
-    role: Literal["size", "shape", "run", "tube", "by_tube", "found"] = "size"
+    role: Literal["size", "shape", "run", "tube", "by_tube", "moment", "found"] = "size"
     needs: Need | None = None
     expected: tuple[float, float] | None = None
     logarithmic: bool = False
@@ -166,6 +166,7 @@ class Effect:
     equation: ClassVar[str]
     source: ClassVar[str]
     parameters: ClassVar[tuple[Parameter, ...]]
+    expected: ClassVar[Mapping[str, tuple[float, float]]] = {}
     needs: ClassVar[tuple[Need, ...]] = ()
     unlikely: ClassVar[float] = 0.0
     reverses: ClassVar[bool] = False
@@ -203,6 +204,11 @@ class Effect:
     def numbers(self) -> dict[str, float]:
         """Return all its parameters by name."""
         return {field.name: getattr(self, field.name) for field in fields(self)}
+
+    @property
+    def idle(self) -> tuple[str, ...]:
+        """Names of parameters that do nothing as the effect stands, which no fit moves."""
+        return ()
 
     def with_numbers(self, numbers: Mapping[str, float]) -> Self:
         """Return the effect with some of them replaced."""

@@ -37,6 +37,8 @@ CATCH_UP = 2.5  # usual steps: what a frame that stood makes up for when it move
 FEWEST_CLIPPED = 5
 CLIPPED_OF_STEP = 4.0  # of the drive's travel on the last level, to that on the steps below it
 ALL_OF = 0.95  # of the samples that are driven further than half of those on the level
+BELOW_END = 0.1  # of the range: a sample that is clearly below the end
+FLAT = 0.4  # of the usual slope, which the end of a response that is cut off has at most
 AT_ZERO = 0.1  # of the range: a level as near to zero is of a device at rest
 NOISY_DRIVE = 1e-3  # of its travel
 AGAINST = 0.05  # of the steps of a moving drive, that go back
@@ -185,6 +187,29 @@ def clipped_rows(values: Floats, drive: Floats) -> Booleans:
     return clipped
 
 
+def has_flat_end(values: Floats, drive: Floats) -> bool:
+    """Return whether one response hardly rises any more over the last of the drive, be the end sharp, soft or noisy."""
+    finite = np.isfinite(values)
+    seen, pulled = values[finite], drive[finite]
+    if len(seen) < 4 * FEWEST_CLIPPED or np.ptp(pulled) == 0.0 or np.ptp(seen) == 0.0:
+        return False
+    follows = float(np.sign(np.cov(pulled, seen)[0, 1])) or 1.0
+    order = np.argsort(follows * pulled, kind="stable")
+    seen, pulled = seen[order], follows * pulled[order]
+    level = float(np.median(seen[-FEWEST_CLIPPED:]))
+    rising = seen < level - BELOW_END * float(np.ptp(seen))
+    if rising.sum() < FEWEST_CLIPPED:
+        return False
+    # What stands behind the last sample that is still clearly below the end.
+    last = max(int(np.flatnonzero(rising)[-1]) + 1, 0)
+    first = min(last, len(seen) - FEWEST_CLIPPED)
+    end = slice(first, None)
+    if np.ptp(pulled[end]) == 0.0:
+        return False
+    usual = float(np.ptp(seen[:first])) / max(float(np.ptp(pulled[:first])), 1e-300)
+    return bool(float(np.polyfit(pulled[end], seen[end], 1)[0]) < FLAT * usual)
+
+
 @dataclass(frozen=True, eq=False)
 class Faults:
     """What is wrong with one run; nothing of it is left out for it.
@@ -195,6 +220,7 @@ class Faults:
         frozen: rows that repeat the frame before, [n], though the clock or the drive goes on.
         duplicated: rows that repeat the row before in everything, clock and drive too, [n].
         clipped: rows at which a response stands where its view ends, [n].
+        flat_end: whether a response hardly rises any more at the end of its drive.
         same_time: samples whose clock stands.
         drive_noise: noise of the drive, as a share of its travel, where it goes back and forth; else 0.
         is_still: whether the drive stays.
@@ -209,6 +235,7 @@ class Faults:
     frozen: Booleans
     duplicated: Booleans
     clipped: Booleans
+    flat_end: bool
     same_time: int
     drive_noise: float
     is_still: bool
@@ -237,6 +264,7 @@ def faults_of(run: JointRun) -> Faults:
         frozen=repeated & ~duplicated & ~clipped,
         duplicated=duplicated,
         clipped=clipped,
+        flat_end=any(has_flat_end(column, run.drive) for column in run.response.T),
         same_time=0 if run.time is None else int((np.diff(run.time) == 0.0).sum()),
         drive_noise=0.0 if is_still else _drive_noise(run),
         is_still=is_still,

@@ -58,7 +58,6 @@ DRAWS: dict[str, Draw] = {
     "tendon_creep": lambda g, _k, _f: Left(creep=(g.uniform(0.08, 0.3), g.uniform(4.0, 20.0))),
     "tendon_permanent_set": lambda g, _k, f: Left(set_per_newton=(g.uniform(0.05e-3, 0.3e-3), f * g.uniform(0.0, 0.4))),
     "tube_superelasticity": lambda g, k, _f: Left(tube_knee=(k * g.uniform(0.35, 0.65), g.uniform(0.3, 0.7))),
-    "notch_closure": lambda g, k, _f: Left(closure=(k * g.uniform(0.4, 0.7), g.uniform(1.0, 20.0))),
     "snap_through": lambda g, k, _f: _snap(k, g.uniform(0.4, 0.7), g.uniform(0.5, 0.8), g.uniform(0.08, 0.2)),
     "precurvature": lambda g, _k, _f: Left(rest=_sign(g) * g.uniform(1.0, 6.0)),
     "tip_load": lambda g, _k, _f: Left(tip_force=_sign(g) * g.uniform(0.4e-3, 2e-3)),
@@ -207,7 +206,7 @@ FAMILIES = {
         "tendon_permanent_set",
         "bending_length_offset",
     ),
-    "structure": ("tube_superelasticity", "notch_closure", "snap_through", "chord_section", "notch_end_effect"),
+    "structure": ("tube_superelasticity", "snap_through", "chord_section", "notch_end_effect"),
     "at rest": ("precurvature", "tip_load", "gravity"),
     "camera and clock": ("sensor_lag", "camera_offset", "thermal_drift"),
 }

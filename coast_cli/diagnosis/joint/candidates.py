@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from coast_cli.diagnosis.joint.moments import lost_steps
 from coast_cli.diagnosis.problem import Contender
 from coast_cli.diagnosis.space import BaseParameter, Coordinate, ParameterSpace
 from coast_cli.effects.catalogue import effects_of
 from coast_cli.effects.effect import Effect, Need, Parameter, Scale
+from coast_cli.effects.library.lost_steps import LostSteps
 
 if TYPE_CHECKING:
     from coast_cli.diagnosis.joint.problem import JointProblem
@@ -21,9 +23,12 @@ def joint_candidates(problem: JointProblem, taken: set[str]) -> list[Contender]:
     """Return the effects that may be added to those taken."""
 
     def starts(kind: type[Effect]) -> tuple[Effect, ...]:
+        if kind is LostSteps:
+            return lost_steps(problem)
         return tuple(starts_of(kind, problem.reached, problem.holds))
 
-    return [Contender(starts(kind)) for kind in applicable(problem) if kind.id not in taken]
+    found = ((kind, starts(kind)) for kind in applicable(problem) if kind.id not in taken)
+    return [Contender(begun) for _, begun in found if begun]
 
 
 def applicable(problem: JointProblem) -> list[type[Effect]]:
@@ -58,7 +63,8 @@ def joint_space(problem: JointProblem, effects: tuple[Effect, ...]) -> Parameter
     """Return what a fit of these effects moves; what the recording cannot hold stays at its null."""
     owned = tuple(
         tuple(
-            _effect_coordinate(p, value, problem) for p, value in zip(effect.parameters, effect.values(), strict=True)
+            _effect_coordinate(p, value, problem, effect)
+            for p, value in zip(effect.parameters, effect.values(), strict=True)
         )
         for effect in effects
     )
@@ -84,9 +90,22 @@ def base_coordinates(base: Sequence[BaseParameter]) -> tuple[Coordinate, ...]:
     )
 
 
-def _effect_coordinate(p: Parameter, value: float, problem: JointProblem) -> Coordinate:
+def _effect_coordinate(p: Parameter, value: float, problem: JointProblem, effect: Effect) -> Coordinate:
+    if p.expected is not None and p.logarithmic:
+        return Coordinate(
+            name=p.name,
+            value=value,
+            low=p.low,
+            high=p.high,
+            width=p.expected[1],
+            scale=0.3,
+            mean=float(np.log(p.expected[0])),
+            reach=0.4,
+            logarithmic=True,
+            late=p.role == "shape",
+        )
     missing = p.needs is not None and not problem.holds.get(p.needs, True)
-    pinned = missing or p.role not in ("size", "shape")
+    pinned = missing or p.role not in ("size", "shape") or p.name in effect.idle
     value = p.null if missing else value
     span, shapes = p.high - p.low, p.role == "shape"
     return Coordinate(

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from coast_cli.diagnosis.fit import Fit, rms
+from coast_cli.diagnosis.fit import Fit, fit, rms
 from coast_cli.diagnosis.joint.candidates import joint_candidates, joint_space
 from coast_cli.diagnosis.noise_model import NoiseBank
 from coast_cli.diagnosis.problem import Channel, Contender, Effort, Variant
@@ -167,7 +167,7 @@ class JointProblem:
             "runs": sum(bool(rows.any()) for rows in self.train) >= int(FEWEST_RUNS_TO_DIFFER),
             "witness": self.tension_noise is not None,
             "period": self.swing is not None,
-            "clipped": any(one.clipped.any() for one in self.faults),
+            "flat_end": any(one.clipped.any() or one.flat_end for one in self.faults),
             "frozen": self.frozen_fraction > 0.0,
             "load": False,
             "far_end": self.tension_noise is not None,
@@ -328,6 +328,11 @@ class JointProblem:
             "period": 10.0 * self.swing.period if self.swing is not None else 1.0,
             "compliance": 1.0,
         }
+
+    @cached_property
+    def refitted(self) -> Fit:
+        """The base model, fitted to the rows that are fitted."""
+        return fit(self)
 
     @cached_property
     def reached(self) -> dict[Scale, float]:

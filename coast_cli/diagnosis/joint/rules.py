@@ -10,6 +10,7 @@ from coast_cli.diagnosis.contest import hypothesis
 from coast_cli.diagnosis.fit import Fit, fit, rms
 from coast_cli.diagnosis.joint.case import JointCase
 from coast_cli.diagnosis.joint.holdout import rows_of_one_run
+from coast_cli.diagnosis.joint.moments import lost_steps
 from coast_cli.diagnosis.joint.problem import JointProblem
 from coast_cli.diagnosis.joint.unseen import foretold
 from coast_cli.diagnosis.judge import (
@@ -34,6 +35,7 @@ from coast_cli.diagnosis.thresholds import (
 )
 from coast_cli.effects.library.bending_length_label import BendingLengthLabel
 from coast_cli.effects.library.frozen_frames import FrozenFrames
+from coast_cli.effects.library.lost_steps import LostSteps
 from coast_cli.effects.library.run_differs import RunDiffers
 
 OF_ONE_RUN = (RunDiffers, BendingLengthLabel)
@@ -146,7 +148,11 @@ def a_law_without_a_name_leads(case: JointCase) -> Ruling | None:
 def names_explain(case: JointCase) -> Ruling:
     """Rule: the leading effects are named, and what they explain and leave is said in noise widths."""
     ruling = effects_are_named(case)
-    owners = [case.problem.runs[round(e.run)].name for e in case.leading.fit.effects if isinstance(e, OF_ONE_RUN)]
+    owners = [
+        case.problem.runs[round(e.run)].name
+        for e in case.leading.fit.effects
+        if isinstance(e, (*OF_ONE_RUN, LostSteps))
+    ]
     which = f" (run {', '.join(owners)})" if owners else ""
     return Ruling(ruling.verdict, f"{' + '.join(case.names)}{which} {case.explains_words}")
 
@@ -190,7 +196,11 @@ def _blamed(case: JointCase, name: str) -> JointCase | None:
     number = next(index for index, run in enumerate(problem.runs) if run.name == name)
     rows = rows_of_one_run(problem.runs, number)
     known = problem.only(rows.fitted)
-    starts = (RunDiffers(run=float(number), gain=1.05), *(BendingLengthLabel(float(number), by) for by in (4.0, -4.0)))
+    starts = (
+        RunDiffers(run=float(number), gain=1.05),
+        *(BendingLengthLabel(float(number), by) for by in (4.0, -4.0)),
+        *lost_steps(known, number),
+    )
     found = []
     for effect in starts:
         if effect.id not in problem.concealed:

@@ -1,4 +1,7 @@
-"""Camera saturation: the response ends at a level, because the view ends there."""
+"""Camera saturation: the response ends at a level, because the view ends there.
+
+Where points leave the view one by one the end is soft: a hyperbola between the response and the level.
+"""
 
 from __future__ import annotations
 
@@ -18,13 +21,14 @@ class CameraSaturation(OnSensor):
     """A largest response that can be seen."""
 
     level: float = _NONE
+    softness: float = 0.01
 
     id = "camera_saturation"
     title = "the response ends where the view ends"
     component = "camera"
     kind = "sensor"
     scope = "camera"
-    equation = "response -> min(response, level)"
+    equation = "response -> min(response, level), rounded by a hyperbola over softness level"
     source = "clipping of a sensor's range: Fraden, Handbook of Modern Sensors (2016), sec. 3.5"
     parameters = (
         Parameter(
@@ -37,10 +41,14 @@ class CameraSaturation(OnSensor):
             "response",
             role="shape",
         ),
+        Parameter("softness", 0.01, 1e-4, 0.1, (0.01,), "of the level; points leave the view one by one", role="shape"),
     )
-    needs = ("clipped",)
+    needs = ("flat_end",)
     decided_by = "the same sweep with the camera moved back"
 
     def sense(self, response: FloatArray, history: History) -> FloatArray:
         """Cut the response off."""
-        return response if self.level >= _NONE else np.minimum(response, self.level)
+        if self.level >= _NONE:
+            return response
+        below = 0.5 * (self.level - response)
+        return np.asarray(response + below - np.hypot(below, 0.5 * self.softness * self.level))

@@ -27,12 +27,14 @@ class NotchClosure(OnStructure):
         Parameter(
             "closure_ratio",
             1.0,
-            1e-4,
+            0.05,
             3.0,
             (0.35, 0.55, 0.75, 0.9),
             "1 by geometry; burrs close early",
             "closure",
             role="shape",
+            expected=(0.95, 0.12),  # a laser cuts to a few per cent
+            logarithmic=True,
         ),
         Parameter("added_stiffness", 0.0, 0.0, 200.0, (2.0, 20.0), "the closed strip is a full ring in compression"),
         Parameter(

@@ -22,7 +22,7 @@ _LOWER = 0.4  # lower plateau over upper, which loading does not reach
 class TubeSuperelasticity(OnStructure):
     """Softening of the bending law past a knee."""
 
-    knee_strain: float = 1.0
+    knee_strain: float = 0.1
     stiffness_lost: float = 0.0
     knee_width: float = 0.1
 
@@ -37,13 +37,15 @@ class TubeSuperelasticity(OnStructure):
     parameters = (
         Parameter(
             "knee_strain",
-            1.0,
-            1e-5,
-            1.0,
+            0.1,
+            1e-4,
+            0.1,
             (0.25, 0.45, 0.65, 0.85),
             "plateau stress over E: 0.5 to 1.6 %",
             "strain",
             role="shape",
+            expected=(0.0089, 0.29),  # 95 % of them; the middle is geometric
+            logarithmic=True,
         ),
         Parameter("stiffness_lost", 0.0, 0.0, 0.98, (0.5,), "plateau slope 3 to 10 % of E"),
         Parameter(

@@ -3,7 +3,15 @@
 import numpy as np
 import pytest
 
-from coast_cli.recordings.faults import clipped_rows, copied_rows, fault_notes, faults_of, frozen_rows, quantum_of
+from coast_cli.recordings.faults import (
+    clipped_rows,
+    copied_rows,
+    fault_notes,
+    faults_of,
+    frozen_rows,
+    has_flat_end,
+    quantum_of,
+)
 from coast_cli.recordings.model import JointRun
 from coast_cli.recordings.noise import estimate_noise, recording_noise
 
@@ -85,6 +93,19 @@ def test_a_view_that_ends():
         assert found.sum() == (values == 30.0).sum()
     values = np.maximum(-8.0 * drive, -30.0)
     assert clipped_rows(values, drive).sum() == (values == -30.0).sum()
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_an_end_is_flat_be_it_sharp_or_soft(seed):
+    rng = np.random.default_rng(seed)
+    drive = sweep(rng.integers(60, 300))
+    level, noise = rng.uniform(20.0, 34.0), rng.uniform(0.05, 0.8)
+    soft = rng.uniform(0.002, 0.015) * level
+    open_view = 8.0 * np.maximum(drive - rng.uniform(0.0, 1.0), 0.0)
+    seen = level - soft * np.logaddexp(0.0, (level - open_view) / soft) + noise * rng.normal(size=len(drive))
+    assert has_flat_end(seen, drive)
+    assert not has_flat_end(open_view + noise * rng.normal(size=len(drive)), drive)
+    assert not has_flat_end(np.zeros(len(drive)), drive)
 
 
 def test_what_ends_by_itself_is_not_clipped():
