@@ -5,9 +5,13 @@ From Python, ``coast_cli`` has the functions that the commands call. Nothing is 
 
 from __future__ import annotations
 
+from coast_cli.version import __version__ as __version__
+
 TYPE_CHECKING = False  # typing itself takes longer to load than all else here
 if TYPE_CHECKING:
     from coast_cli.design.checks import check_design as check_design
+    from coast_cli.design.exploration import Exploration as Exploration
+    from coast_cli.design.exploration import explore as explore
     from coast_cli.design.joint_state import JointState as JointState
     from coast_cli.design.joint_state import JointStep as JointStep
     from coast_cli.design.path import PathPlan as PathPlan
@@ -24,8 +28,12 @@ if TYPE_CHECKING:
     from coast_cli.diagnosis.compare import compare as compare
     from coast_cli.diagnosis.joint.calibration import Calibration as Calibration
     from coast_cli.diagnosis.joint.calibration import calibrate as calibrate
+    from coast_cli.diagnosis.joint.planning import Plan as Plan
+    from coast_cli.diagnosis.joint.planning import plan as plan
+    from coast_cli.diagnosis.joint.planning import sweep as sweep
     from coast_cli.diagnosis.model_file import model_text as model_text
     from coast_cli.diagnosis.recorded import diagnose as diagnose
+    from coast_cli.diagnosis.recorded_answer import RecordedDiagnosis as RecordedDiagnosis
     from coast_cli.errors import (
         BadInput as BadInput,
     )
@@ -75,6 +83,7 @@ if TYPE_CHECKING:
     from coast_cli.mechanics.pairs import pair_table as pair_table
     from coast_cli.mechanics.section import notched_section as notched_section
     from coast_cli.mechanics.tube import NotchedTube as NotchedTube
+    from coast_cli.output.report import report as report
     from coast_cli.recordings.mapping import load_mapping as load_mapping
     from coast_cli.recordings.model import JointRun as JointRun
     from coast_cli.recordings.model import Recordings as Recordings
@@ -98,10 +107,9 @@ if TYPE_CHECKING:
         load_config_text as load_config_text,
     )
 
-__version__ = "0.1.0"
-
 _PUBLIC = {
     "design.checks": ("check_design",),
+    "design.exploration": ("Exploration", "explore"),
     "design.joint_state": ("JointState", "JointStep"),
     "design.path": ("PathPlan", "plan_path"),
     "design.rank": ("RankOptions", "Ranking", "rank"),
@@ -110,15 +118,18 @@ _PUBLIC = {
     "design.tolerance": ("tolerance_rows",),
     "diagnosis.answer": ("Diagnosis",),
     "diagnosis.joint.calibration": ("Calibration", "calibrate"),
+    "diagnosis.joint.planning": ("Plan", "plan", "sweep"),
     "diagnosis.compare": ("Comparison", "compare"),
     "diagnosis.model_file": ("model_text",),
     "diagnosis.recorded": ("diagnose",),
+    "diagnosis.recorded_answer": ("RecordedDiagnosis",),
     "errors": ("BadInput", "CoastError", "NotConverged", "UsageError"),
     "mechanics.beam": ("BeamSolution", "BeamSolutions", "BeamTips", "solve_beam", "solve_segments", "solve_tips"),
     "mechanics.joint": ("Joint", "StrokeSolution", "curvature_from_stroke", "stroke", "tip"),
     "mechanics.pairs": ("PairTable", "pair_table"),
     "mechanics.section": ("notched_section",),
     "mechanics.tube": ("NotchedTube",),
+    "output.report": ("report",),
     "recordings.mapping": ("load_mapping",),
     "recordings.model": ("JointRun", "Recordings", "ShapeRun"),
     "recordings.noise": ("NoiseEstimate", "estimate_noise"),

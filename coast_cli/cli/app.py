@@ -12,12 +12,12 @@ from typing import Annotated, Any
 
 import typer
 
-from coast_cli import __version__
 from coast_cli.cli.common import with_common_options
 from coast_cli.cli.examples import epilog
 from coast_cli.cli.paths import kept_apart
 from coast_cli.errors import UsageError, nearest
 from coast_cli.output.standard_streams import to_stdout
+from coast_cli.version import __version__
 
 INTERRUPTED = 130
 _COMPLETES = "_COAST_COMPLETE"  # set by the shell that asks how a line may go on

@@ -25,6 +25,14 @@ def calibrate(
         str | None,
         typer.Option(metavar="NAME,...", help="parameters; default: those with { value, min, max }, else the usual"),
     ] = None,
+    fix: Annotated[
+        list[str] | None,
+        typer.Option("--fix", metavar="NAME=VALUE", help="hold a parameter at a value, in its unit; repeatable"),
+    ] = None,
+    weight: Annotated[
+        list[str] | None,
+        typer.Option("--weight", metavar="RUN=NUMBER", help="weight of a run's squares, else 1; repeatable"),
+    ] = None,
     hold_out: Annotated[
         list[str] | None,
         typer.Option("--hold-out", metavar="RUN", help="a run that is not fitted, repeatable; `each`: all in turn"),
@@ -41,7 +49,8 @@ def calibrate(
 ) -> int:
     """Print fitted parameters with intervals of 90 %, and what the recordings cannot tell; -o writes the configuration.
 
-    Parameters: youngs_modulus_gpa, notch_friction, deadband_mm, pulley_friction, tendon_youngs_modulus_gpa.
+    Parameters: youngs_modulus_gpa, notch_friction, deadband_mm, pulley_friction, wrap_angle_rad, tendon_youngs_modulus_gpa,
+    tendon_length_mm. Bounds are those of { value, min, max } in the configuration; bounds that are assumed are printed.
     """
     from coast_cli.diagnosis.joint.calibration import calibrate as calibration_of
     from coast_cli.diagnosis.model_file import calibrated_text
@@ -56,14 +65,37 @@ def calibrate(
     document = load_config(config)
     read = read_recordings(recordings, document, columns=mapping_of(columns), pair=pair, bending_length_mm=x2)
     names = [name.strip() for name in fit.split(",")] if fit else []
-    calibration = calibration_of(document, read, names, hold_out or ())
+    fixed, weights = _numbers("--fix", fix), _numbers("--weight", weight)
+    calibration = calibration_of(document, read, names, hold_out or (), fixed=fixed, weights=weights)
     models = [path for path in output or () if path.suffix.lower() == ".toml"]
     if models:
         text = calibrated_text(document, calibration, read)
         write_files({path: lambda stream: stream.write(text) for path in models})
-    options = {"fit": names, "hold_out": list(hold_out or ())}
+    options: dict[str, object] = {"fit": names, "hold_out": list(hold_out or ()), **({"fix": fixed} if fixed else {})}
+    options |= {"weight": weights} if weights else {}
     origin = provenance(document, recordings=read.sources, options=options)
     answer = Answer("calibrate", calibration.rows(), origin, (*read.notes, *calibration.notes))
     tables = [path for path in output or () if path not in models]
     write_answer(answer, format or (None if tables else "table"), tables)
     return 0 if calibration.whole.converged else 4
+
+
+def _numbers(option: str, given: list[str] | None) -> dict[str, float]:
+    """Return numbers by name from ``NAME=NUMBER``; the last sign counts, as a run's name may have others.
+
+    Raises:
+        UsageError: one is none, or a name stands twice.
+    """
+    from coast_cli.errors import UsageError
+
+    found: dict[str, float] = {}
+    for text in given or ():
+        name, sign, value = (part.strip() for part in text.rpartition("="))
+        try:
+            number = float(value)
+        except ValueError:
+            sign = ""
+        if not (sign and name) or name in found:
+            raise UsageError(f"{option} {text}: not understood; allowed: NAME=NUMBER, each name once.")
+        found[name] = number
+    return found

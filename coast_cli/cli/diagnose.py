@@ -81,8 +81,8 @@ def diagnose(
         found = diagnosis_of(
             document,
             read,
-            named_hold_out=hold_out or (),
-            most_effects=max_effects,
+            hold_out=hold_out or (),
+            max_effects=max_effects,
             without=concealed,
             noise=noise,
         )

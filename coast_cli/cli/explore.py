@@ -45,13 +45,12 @@ def explore(
     from coast_cli.output.provenance import provenance
     from coast_cli.output.stream import CsvStream
     from coast_cli.output.write import write_answer
-    from coast_cli.spec.load import load_config_text, read_text
+    from coast_cli.spec.load import load_config
 
     if cluster is not None and jobs > 1:
         raise UsageError("give either --jobs or --cluster.")
-    text = read_text(config)
-    document = load_config_text(text, str(config))
-    total = steps(document, text)
+    document = load_config(config)
+    total = steps(document)
     origin = provenance(document, seed=None if document.explore is None else document.explore.seed)
     stream: CsvStream | Kept = Kept(f"{config.stem}.explore", repr(origin))
     if every is not None:
@@ -59,9 +58,8 @@ def explore(
     with closing(stream), kept_when_stopped(stream):
         beginning = Beginning(stream.blocks, stream.state)
         with workers(jobs, cluster) as executor, progress("blocks", total, beginning.blocks) as advance:
-            rows, notes = run(
+            found = run(
                 document,
-                text,
                 executor=executor,
                 beginning=beginning,
                 save=stream.write,
@@ -69,10 +67,6 @@ def explore(
                 every=every is not None,
             )
         if plot is not None:
-            from coast_cli.design.rank import rank
-            from coast_cli.output.design_plot import plot_front
-
-            rigidity = "mean" if document.explore is None else document.explore.rigidity
-            plot_front(rows, rank(document).columns, rigidity).write(plot)
-        write_answer(Answer("explore", rows[:top], origin, notes), format, output or ())
+            found.plot(plot)
+        write_answer(Answer("explore", found.rows[:top], origin, found.notes), format, output or ())
         stream.finish()

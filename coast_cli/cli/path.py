@@ -77,9 +77,7 @@ def path(
         back=back,
     )
     if plot is not None:
-        from coast_cli.output.path_plot import plot_path
-
-        plot_path(plan).write(plot)
+        plan.plot(plot)
     names = "/".join(name for name in design.pair(pair) if name)
     options = {"pair": names, "within": within, "points": points, "back": back}
     origin = provenance(*documents, recordings=[(followed.source, followed.digest)], options=options)

@@ -43,25 +43,67 @@ def plan(
 
     Every effect is simulated at one size, and what refitted parameters or another effect could take up is taken off.
     """
-    from coast_cli.diagnosis.joint.planning import Plan, plan_rows
+    from coast_cli.diagnosis.joint.planning import plan as plan_of
+    from coast_cli.diagnosis.joint.planning import sweep
     from coast_cli.errors import UsageError
     from coast_cli.output.answer import Answer
     from coast_cli.output.provenance import provenance
     from coast_cli.output.write import write_answer
     from coast_cli.spec.load import load_config
+    from coast_cli.units import MILLIMETRE
 
     if (protocol is None) == (drive is None):
         raise UsageError("give either --protocol FILE.csv or --drive LOW:TOP with --x2.")
     lengths = [] if x2 is None else numbers(x2, "--x2")
     document = load_config(config)
-    wanted = Plan(response, noise, tension_noise, size, pair)
     if protocol is not None:
         from coast_cli.recordings.mapping import mapping_of
 
-        runs, notes = wanted.read(protocol, document, lengths, mapping_of(columns))
+        if len(lengths) > 1:
+            raise UsageError("--x2: one bending length goes with --protocol, for a file without that column.")
+        length = lengths[0] if lengths else None
+        found = plan_of(
+            document,
+            protocol,
+            columns=mapping_of(columns),
+            pair=pair,
+            bending_length_mm=length,
+            noise=noise,
+            tension_noise=tension_noise,
+            size=size,
+        )
     else:
-        runs, notes = wanted.sweep(document, str(drive), lengths, rate, hold), ()
-    rows, said = plan_rows(document, runs, wanted)
+        unit = 1.0 if document.tendon is None else MILLIMETRE
+        runs = sweep(
+            document,
+            _range(str(drive), unit),
+            [one * MILLIMETRE for one in lengths],
+            rate=rate * unit,
+            hold=hold,
+            response=response,
+            pair=pair,
+            records_tension=tension_noise is not None,
+        )
+        found = plan_of(document, runs, noise=noise, tension_noise=tension_noise, size=size)
     options = {"size": size, "noise": noise, "tension_noise": tension_noise, "drive": drive, "x2": x2}
     origin = provenance(document, options={name: value for name, value in options.items() if value is not None})
-    write_answer(Answer("plan", rows, origin, (*notes, *said)), format, output or ())
+    write_answer(Answer("plan", found.rows, origin, found.notes), format, output or ())
+
+
+def _range(text: str, unit: float) -> tuple[float, float]:
+    """Return the ends of ``LOW:TOP`` in SI.
+
+    Raises:
+        UsageError: they are no numbers.
+    """
+    from coast_cli.diagnosis.joint.planning import DRIVES
+    from coast_cli.errors import UsageError
+
+    low, colon, top = text.partition(":")
+    try:
+        ends = float(low) * unit, float(top) * unit
+    except ValueError:
+        colon = ""
+    if not colon:
+        raise UsageError(f"--drive {text}: {DRIVES}.")
+    return ends

@@ -53,7 +53,5 @@ def rank_pairs(
         ranking = rank(document, options)
         origin = provenance(document, options=asdict(options))
     if plot is not None:
-        from coast_cli.output.design_plot import plot_pairs
-
-        plot_pairs(ranking.columns, rigidity).write(plot)
+        ranking.plot(plot)
     write_answer(Answer("rank-pairs", Columns(ranking.columns), origin, ranking.notes), format, output or ())

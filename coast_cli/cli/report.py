@@ -22,7 +22,9 @@ def report(
     *,
     output: Annotated[
         Path,
-        typer.Option("--output", "-o", metavar="FILE", help="the page, .html; or the drawing of the pair alone, .svg"),
+        typer.Option(
+            "--output", "-o", metavar="FILE", help="the page, .html or .pdf; or the drawing of the pair alone, .svg"
+        ),
         WRITES,
     ],
     pair: PairOption = None,
@@ -43,48 +45,37 @@ def report(
     columns: ColumnsOption = None,
     hold_out: HoldOutOption = None,
 ) -> None:
-    """Write one HTML page: inputs and what is assumed, ranking, shapes, strokes, tolerances, checks, diagnosis.
+    """Write one page: inputs and what is assumed, ranking, shapes, strokes, tolerances, checks, diagnosis.
 
     The page needs no network and no script, and prints well. A report is not a verdict: a failing check or a mismatch
-    stands on the page and the exit code is 0; `coast check` and `coast diagnose --fail-on-mismatch` exit with 1.
+    stands on the page and the exit code is 0; `coast check` and `coast diagnose --fail-on-mismatch` exit with 1. A PDF is
+    printed by chromium, google-chrome or weasyprint.
     """
-    from coast_cli.output.atomic import check_suffix, write_files
-    from coast_cli.output.pair_drawing import drawing_alone
     from coast_cli.output.picture import can_draw
-    from coast_cli.output.progress import waiting
-    from coast_cli.output.report import NO_PICTURES, page_of
-    from coast_cli.output.report_contents import Wanted, contents
-    from coast_cli.output.report_first import drawn
+    from coast_cli.output.report import NO_PICTURES
+    from coast_cli.output.report import report as write_report
     from coast_cli.output.write import say
     from coast_cli.recordings.mapping import mapping_of
     from coast_cli.recordings.read import read_recordings
-    from coast_cli.spec.build import build
     from coast_cli.spec.load import load_config
     from coast_cli.units import MILLIMETRE
 
-    check_suffix("-o", output, (".html", ".htm", ".svg"))
     lengths = None if x2 is None else numbers(x2, "--x2")
-    curvatures = numbers(kappa, "--kappa")
     document = load_config(config)
-    if output.suffix.lower() == ".svg":
-        drawing = drawing_alone(*drawn(build(document), pair))
-        write_files({output: lambda stream: stream.write(drawing)})
-        return
     read = None
     if recordings:
         single = lengths[0] if lengths is not None and len(lengths) == 1 else None
         read = read_recordings(recordings, document, columns=mapping_of(columns), pair=pair, bending_length_mm=single)
-    wanted = Wanted(
-        pair,
-        curvatures,
-        None if lengths is None else [length * MILLIMETRE for length in lengths],
-        samples,
-        seed,
-        hold_out or (),
+    write_report(
+        document,
+        output,
+        read,
+        pair=pair,
+        curvatures=numbers(kappa, "--kappa"),
+        bending_lengths=None if lengths is None else [length * MILLIMETRE for length in lengths],
+        samples=samples,
+        seed=seed,
+        hold_out=hold_out or (),
     )
-    found = contents(build(document), wanted, read)
-    with waiting("drawing"):
-        text = page_of(found)
-    write_files({output: lambda stream: stream.write(text)})
-    if not can_draw():
+    if not can_draw() and output.suffix.lower() != ".svg":
         say(f"note: {NO_PICTURES}")

@@ -94,7 +94,7 @@ def stroke(
     }
     others = alternatives(design, pair, tolerances=tolerances)
     steps = None if document.actuator is None else document.actuator.steps_per_mm
-    columns, notes = stroke_table(
+    found = stroke_table(
         joint,
         lengths,
         **drives,
@@ -106,6 +106,7 @@ def stroke(
     )
     controller = [path for path in output or () if path.suffix.lower() in FOR_CONTROLLERS]
     beside: Mapping[Path, Writer] = {}
+    notes = found.notes
     if controller:
         from coast_cli.design.stroke_grid import stroke_grid
         from coast_cli.output.controller import writers
@@ -116,9 +117,7 @@ def stroke(
         beside = writers(grid, controller, document, design.pair(pair))
         notes = (*notes, f"between the nodes of the controller's table lines are off by at most {grid.told_error}.")
     if plot is not None:
-        from coast_cli.output.design_plot import plot_strokes
-
-        plot_strokes(columns).write(plot)
+        found.plot(plot)
     notes = (
         *design.notes,
         *design.uncorrected_joint,
@@ -128,6 +127,6 @@ def stroke(
     )
     options = ({"tolerances": True} if tolerances else {}) | ({"branch": branch} if branch != "load" else {})
     origin = provenance(document, options=options)
-    answer = Answer("stroke", Columns(columns), origin, notes)
+    answer = Answer("stroke", Columns(found.columns), origin, notes)
     pages = [path for path in output or () if path not in controller]
     write_answer(answer, format, pages, beside=beside)

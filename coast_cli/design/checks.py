@@ -24,14 +24,20 @@ _JUST_PAST = 1.0 + 1e-9
 
 
 def check_design(design: Design, pair: str | None = None) -> list[Row]:
-    """Return one row for each limit of a configuration, with its value and whether it holds.
+    """Return one row for each limit of a configuration, with its value and whether it holds; units are in the names.
 
     Args:
+        design: from ``build``, with a ``[checks]`` table.
         pair: OUTER/MIDDLE, or one tube; None is joint.pair.
 
     Raises:
         BadInput: no limits, no pair, or a limit that needs a table the configuration does not have.
         NotConverged: a beam under gravity was not solved.
+
+    Example:
+        >>> rows = coast.check_design(coast.build(coast.load_config(coast.REFERENCE)))
+        >>> [row["passed"] for row in rows if row["check"] == "max_stroke_mm"]
+        [True]
     """
     config, checks = design.config, design.config.checks
     if checks is None:
@@ -126,10 +132,10 @@ def _at_the_point(design: Design, pair: str | None, limit: LimitAtPoint) -> dict
         raise design.config.refuse(("checks", "max_stroke_mm"), "a stroke needs a [tendon] table")
     joint, lengths = design.joint(pair), [limit.bending_length_mm * MILLIMETRE]
     require_covered(joint, lengths[0])
-    columns, notes = stroke_table(joint, lengths, curvatures=[limit.curvature_per_m], effects=design.effects)
-    if columns["stroke_mm"][0] is None:
-        raise NotConverged(f"checks.max_stroke_mm: {notes[0]}")
-    found = {name: np.asarray(columns[name], dtype=float) for name in ("stroke_mm", "tendon_strain", "tension_n")}
+    table = stroke_table(joint, lengths, curvatures=[limit.curvature_per_m], effects=design.effects)
+    if table.columns["stroke_mm"][0] is None:
+        raise NotConverged(f"checks.max_stroke_mm: {table.notes[0]}")
+    found = {name: np.asarray(table.columns[name], dtype=float) for name in ("stroke_mm", "tendon_strain", "tension_n")}
     webs = Webs.of(joint)
     found["web_strain"] = webs.strain(np.array([limit.curvature_per_m]))
     found["closure_curvature_per_m"] = np.asarray([webs.closure_curvature])

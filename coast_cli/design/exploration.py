@@ -23,9 +23,11 @@ from coast_cli.design.explore import (
 )
 from coast_cli.design.figures import FIGURES, POINT_FIGURES
 from coast_cli.design.front import Front
+from coast_cli.design.rank import Ranking, Rigidity, rank
 from coast_cli.design.references import objective_scores
 from coast_cli.design.space import KEYS
 from coast_cli.design.work import in_order
+from coast_cli.rows import Drawn, Rows
 from coast_cli.spec.config import Config
 
 Row = dict[str, Any]
@@ -45,28 +47,63 @@ class Beginning:
     state: Mapping[str, NDArray[Any]] = field(default_factory=dict)
 
 
+@dataclass(frozen=True, eq=False, repr=False)
+class Exploration(Rows, Drawn):
+    """The front of a design space.
+
+    Attributes:
+        config: whose space it is. rows: the pairs of the front, best score first; units are in the names.
+        notes: how many pairs were tried, and what the front leaves open.
+    """
+
+    config: Config
+    rows: tuple[Row, ...]
+    notes: tuple[str, ...]
+
+    def _table(self) -> tuple[Row, ...]:
+        return self.rows
+
+    @property
+    def rigidity(self) -> Rigidity:
+        """Which rigidity the objectives are of."""
+        return "mean" if self.config.explore is None else self.config.explore.rigidity
+
+    @property
+    def bench(self) -> Ranking:
+        """The pairs of the configuration itself, to see the front beside."""
+        return rank(self.config)
+
+
 def explore(
     config: Config,
-    text: str,
     *,
-    executor: tuple[Executor | None, int],
-    beginning: Beginning,
-    save: Save | None,
-    advance: Callable[[], None],
-    every: bool = True,
+    executor: tuple[Executor | None, int] = (None, 1),
+    beginning: Beginning = Beginning(),  # it is frozen
+    save: Save | None = None,
+    advance: Callable[[], object] = lambda: None,
+    every: bool = False,
     chunk: int = CHUNK,
-) -> tuple[list[Row], tuple[str, ...]]:
-    """Return the front as rows, best score first, and notes.
+) -> Exploration:
+    r"""Pair every outer with every middle tube of the ``[explore]`` ranges and return the Pareto front; units are in the names.
 
     Args:
-        config, text: the configuration and what it was read from, which workers read anew.
-        executor: from ``work.workers``. save: takes the pairs of each block and the state that the next run must know.
+        config: as read, with an ``[explore]`` table; workers read its text anew.
+        executor: from ``work.workers``. beginning: what an earlier run has done.
+        save: takes the pairs of each block and the state that the next run must know.
         advance: called after every block and refinement. every: whether ``save`` wants the pairs, or the state alone.
         chunk: tubes of a role in one block.
 
     Raises:
         BadInput: no tube of the ranges can be made, or no pair of them goes together.
+
+    Example:
+        >>> text = coast.REFERENCE.read_text(encoding="utf-8")
+        >>> space = "[explore]\ntubes = 4\nrefinements = 0\n[explore.outer]\ndepth_mm = { min = 0.35, max = 0.40 }\n"
+        >>> found = coast.explore(coast.load_config_text(text + space))
+        >>> len(found.rows) >= 1
+        True
     """
+    text = text_of(config)
     rounds = 0 if config.explore is None else config.explore.refinements
     blocks, front, counts = tasks(text, config.source, chunk, every=every), Front(), dict.fromkeys(_COUNTS, 0)
     if beginning.blocks:
@@ -87,12 +124,25 @@ def explore(
             _count(found, tried)
             front.add(found.costs, found.front)
         advance()
-    return _rows(config, text, front), _notes(config, text, front, (counts, tried, sampled))
+    return Exploration(config, tuple(_rows(config, text, front)), _notes(config, text, front, (counts, tried, sampled)))
 
 
-def steps(config: Config, text: str) -> int:
+def text_of(config: Config) -> str:
+    """Return the text that a configuration was read from.
+
+    Raises:
+        BadInput: it was made in Python, and has none.
+    """
+    if not config.origin.text:
+        raise config.refuse(
+            (), "a design space is explored from the text of a configuration", allowed="one that was read"
+        )
+    return config.origin.text
+
+
+def steps(config: Config) -> int:
     """Return how many blocks and refinements there are."""
-    return len(tasks(text, config.source)) + (0 if config.explore is None else config.explore.refinements)
+    return len(tasks(text_of(config), config.source)) + (0 if config.explore is None else config.explore.refinements)
 
 
 def _count(block: Block, counts: dict[str, int]) -> None:

@@ -23,6 +23,7 @@ from coast_cli.effects.seen import outside_at
 from coast_cli.mechanics.joint import Joint, curvature_from_stroke, stroke, tension
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.recordings.planar_path import PlanarPath
+from coast_cli.rows import Drawn, Rows, rows_of
 from coast_cli.spec.config import Checks
 from coast_cli.units import DEGREE, MILLIMETRE
 
@@ -31,12 +32,12 @@ _ENDS = 1e-6
 _AGREES, _NEAR = 0.01, 0.05  # relative, and 1/m: of the prediction with the curvature asked for
 
 
-@dataclass(frozen=True, eq=False)
-class PathPlan:
+@dataclass(frozen=True, eq=False, repr=False)
+class PathPlan(Rows, Drawn):
     """What a path asks of the robot.
 
     Attributes:
-        columns: of the answer, a row a feed. body: which the robot takes. path: that it follows.
+        columns: of the answer, a row a feed; units are in the names. body: which the robot takes. path: that it follows.
         reached: whether every row is within reach. notes: for the user.
     """
 
@@ -45,6 +46,9 @@ class PathPlan:
     path: PlanarPath
     reached: bool
     notes: tuple[str, ...]
+
+    def _table(self) -> list[dict[str, Any]]:
+        return rows_of(self.columns)
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,6 +80,13 @@ def plan_path(
         feed: arc lengths of the tip along the path, rising, m. back: whether the robot is drawn back through them again.
         within: the most that the body may be off the path, m.
         checks: whose stroke and tendon strain are limits at every row.
+
+    Example:
+        >>> joint = coast.build(coast.load_config(coast.REFERENCE)).joint()
+        >>> path = coast.path_of_curvature(np.array([0.0, 0.03]), np.array([20.0, 20.0]))
+        >>> found = coast.plan_path(joint, (), path, np.array([0.01, 0.02, 0.03]), within=2e-3)
+        >>> found.reached
+        True
     """
     tubes = [tube for tube in (joint.outer, joint.middle) if tube is not None]
     longest = min(*(tube.length for tube in tubes), inf if joint.outer_cover is None else joint.outer_cover)

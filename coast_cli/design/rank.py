@@ -19,7 +19,7 @@ from coast_cli.design.snapping import Snaps, snaps
 from coast_cli.errors import UsageError
 from coast_cli.mechanics.pairs import Assembly, PairTable, pair_table
 from coast_cli.mechanics.section import FloatArray, SectionKind
-from coast_cli.rows import Rows
+from coast_cli.rows import Drawn, Rows, rows_of
 from coast_cli.spec.build import Design, build
 from coast_cli.spec.config import Config
 from coast_cli.units import DEGREE, MILLIMETRE
@@ -49,27 +49,36 @@ class RankOptions:
 
 
 @dataclass(frozen=True, repr=False)
-class Ranking(Rows):
-    """The pairs in order.
+class Ranking(Rows, Drawn):
+    """The pairs in order; units are in the names of the columns.
 
     Attributes:
         columns: by name, each with one entry a pair, best first; figures of an impossible pair are None.
         notes: what the ranking leaves open, for the user.
+        rigidity: which of the two the score is of.
     """
 
     columns: Mapping[str, Any]
     notes: tuple[str, ...]
+    rigidity: Rigidity = "mean"
 
     def _table(self) -> list[dict[str, Any]]:
-        count = len(next(iter(self.columns.values()), ()))
-        return [{name: column[row] for name, column in self.columns.items()} for row in range(count)]
+        return rows_of(self.columns)
 
 
 def rank(config: Config, options: RankOptions | None = None) -> Ranking:
-    """Rank every pair of a configuration.
+    """Rank every pair of a configuration; units are in the names of the columns.
+
+    Args:
+        config: with outer and middle tubes. options: which rigidity, assembly, section and weights.
 
     Raises:
         BadInput: there are not both outer and middle tubes, or more than `MOST_PAIRS` pairs.
+
+    Example:
+        >>> ranking = coast.rank(coast.load_config(coast.REFERENCE))
+        >>> ranking.columns["outer"][0], ranking.columns["middle"][0]
+        ('OT4', 'MT1')
     """
     options = options or RankOptions()
     for role in ("outer", "middle"):
@@ -96,7 +105,7 @@ def rank(config: Config, options: RankOptions | None = None) -> Ranking:
     margins = _margins(*(table[order] for table in (scores[options.rigidity], *changed)))
     columns = _columns(design, pairs, reasons, (scores[options.rigidity], margins), options.rigidity, order)
     columns |= _snap_columns(None if _uneven(design) else snaps(design), possible, order)
-    return Ranking(columns, _notes(design, options.rigidity, scores, columns, references))
+    return Ranking(columns, _notes(design, options.rigidity, scores, columns, references), options.rigidity)
 
 
 def pareto(costs: FloatArray) -> NDArray[np.bool_]:

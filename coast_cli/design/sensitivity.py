@@ -73,11 +73,18 @@ _PATTERN = ("cut", "uncut")
 def sensitivity_rows(design: Design) -> tuple[list[Row], tuple[str, ...]]:
     """Return one row for each figure and input that moves it, and what the inputs' products leave open, in words.
 
+    Of a ``design`` from ``build``; units are in the names.
+
     Figures: the tip of each tube under gravity; total pre-curvature, rigidity ratios and total rigidities of the
     joint's pair; and the stroke at 40/m and 40 mm (or the tube's length).
 
     Raises:
         NotConverged: a beam was not solved.
+
+    Example:
+        >>> rows, notes = coast.sensitivity_rows(coast.build(coast.load_config(coast.REFERENCE)))
+        >>> sorted({row["figure"] for row in rows})[:2]
+        ['ratio_mean', 'ratio_series']
     """
     gravity = design.gravity
     solved = {tube.name: _solved(tube, gravity) for tube in (*design.outer, *design.middle)}

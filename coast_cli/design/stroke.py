@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
-from typing import Any, Literal, NamedTuple
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from coast_cli.errors import NotConverged, UsageError
 from coast_cli.mechanics.joint import Joint, StrokeSolution, curvature_from_stroke, segment_tip, stroke, tension
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.mechanics.verdict import Verdict
+from coast_cli.rows import Drawn, Rows, rows_of
 from coast_cli.spec.config import Checks
 from coast_cli.units import MILLIMETRE
 
@@ -25,11 +27,15 @@ Way = Literal["load", "release", "inverse"]
 LARGEST_DRIVE = 1e5  # 1/m or m: a circle smaller than any tube, a tendon longer than any
 
 
-class StrokeTable(NamedTuple):
-    """Columns by name, as `coast stroke` prints them, and notes on where the model is stretched."""
+@dataclass(frozen=True, eq=False, repr=False)
+class StrokeTable(Rows, Drawn):
+    """Columns by name, as `coast stroke` prints them, units in their names, and notes on where the model is stretched."""
 
-    columns: dict[str, Any]
+    columns: Mapping[str, Any]
     notes: tuple[str, ...]
+
+    def _table(self) -> list[dict[str, Any]]:
+        return rows_of(self.columns)
 
 
 def stroke_table(
@@ -60,6 +66,12 @@ def stroke_table(
     Raises:
         UsageError: a value or a release branch that the joint does not have, or more rows than there is memory for.
         NotConverged: the inverse found no curvature.
+
+    Example:
+        >>> joint = coast.build(coast.load_config(coast.REFERENCE)).joint()
+        >>> table = coast.stroke_table(joint, [20e-3, 30e-3], curvatures=[20.0])
+        >>> [round(float(value), 3) for value in table.columns["stroke_mm"]]
+        [2.6, 2.79]
     """
     _check(joint, bending_lengths, curvatures or strokes)
     require_memory(len(bending_lengths) * len(curvatures or strokes), STROKE_ROW * (1 + len(alternatives)), "strokes")

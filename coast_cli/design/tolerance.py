@@ -52,7 +52,7 @@ _COLUMNS = (
 
 def tolerance_rows(
     design: Design,
-    pair: tuple[str, str],
+    pair: str | tuple[str, str],
     *,
     samples: int,
     seed: int,
@@ -62,16 +62,26 @@ def tolerance_rows(
     beginning: Mapping[str, FloatArray] = MappingProxyType({}),
     keep: Keep = lambda _: None,
 ) -> tuple[list[Row], tuple[str, ...], Mapping[str, FloatArray]]:
-    """Return rows, notes and the sampled figures of one pair.
+    """Return rows, notes and the sampled figures of one pair; units are in the names.
 
     Args:
+        design: from ``build``. pair: ``OUTER/MIDDLE``, or both names.
         samples: of the pair. seed: of the random numbers. ranked: also sample the whole bench for the ranking.
         index_samples: base samples of the Sobol indices, a power of two.
         executor, beginning, keep: as for ``samples.sampled``.
 
     Raises:
         NotConverged: no sample of the pair can be assembled and solved.
+
+    Example:
+        >>> design = coast.build(coast.load_config(coast.REFERENCE))
+        >>> rows, notes, sampled = coast.tolerance_rows(design, "OT4/MT1", samples=64, seed=0, ranked=False, index_samples=2)
+        >>> sampled["total_precurvature_rad"].shape
+        (64,)
     """
+    if isinstance(pair, str):
+        first, second = design.pair(pair)
+        pair = (first or "", second)
     outer, middle = (design.tube(name) for name in pair)
     varied = variation(design.config, (outer, middle))
     made = sampled(design, pair, samples=samples, seed=seed, executor=executor, beginning=beginning, keep=keep)

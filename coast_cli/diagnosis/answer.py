@@ -82,7 +82,7 @@ class Test:
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """What ``coast diagnose`` answers.
+    """What ``coast diagnose`` answers; parameters are in the units of their names, errors in that of the response.
 
     Attributes:
         verdict, reason: the first answer and a sentence on it.

@@ -13,7 +13,7 @@ from coast_cli.diagnosis.joint.errors import UNITS, tip_of, to_unit
 from coast_cli.diagnosis.shapes.build import build_shape_problem
 from coast_cli.recordings.noise import NoiseEstimate, Series, pooled_noise, recording_noise, run_noises
 from coast_cli.recordings.summary import known_noise
-from coast_cli.rows import Rows
+from coast_cli.rows import Drawn, Rows
 from coast_cli.units import DEGREE, MILLIMETRE
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ class ShapeErrors:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Comparison(Rows):
+class Comparison(Rows, Drawn):
     """Every run of a call against one model, in the order of the files; ``known_noise`` is the camera's, SI."""
 
     joint: tuple[JointErrors, ...]
@@ -102,6 +102,13 @@ def compare(config: Config, recordings: Recordings, noise: float | None = None) 
 
     Raises:
         BadInput: a run's tubes or drive do not go with the configuration. UsageError: ``noise`` is no noise.
+
+    Example:
+        >>> config = coast.load_config(coast.REFERENCE)
+        >>> table = {"stroke_mm": [1.5, 2.5, 3.5], "curvature_per_m": [1.0, 10.0, 20.0], "bending_length_mm": 30.0}
+        >>> found = coast.compare(config, coast.read_recordings(table, config))
+        >>> [round(value, 1) for value in found.joint[0].predicted[:, 0].tolist()]
+        [3.8, 16.4, 28.9]
     """
     known = known_noise(recordings, noise)
     joint = tuple(_joint_errors(config, recordings.joint.runs)) if recordings.joint else ()

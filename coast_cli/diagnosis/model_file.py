@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from coast_cli import __version__
 from coast_cli.diagnosis.joint.problem import CONFIG_KEYS
 from coast_cli.spec.edit import path_of, written
+from coast_cli.version import __version__
 
 if TYPE_CHECKING:
     from coast_cli.diagnosis.answer import Diagnosis
@@ -29,6 +29,14 @@ def model_text(config: Config, diagnosis: Diagnosis, recordings: Recordings, nam
 
     Raises:
         BadInput: a fitted number lies outside what a configuration may hold.
+
+    Example:
+        >>> config = coast.load_config(coast.REFERENCE)
+        >>> table = {"stroke_mm": [1.5, 2.5, 3.5], "curvature_per_m": [1.0, 10.0, 20.0], "bending_length_mm": 30.0}
+        >>> recordings = coast.read_recordings(table, config)
+        >>> text = coast.model_text(config, coast.diagnose(config, recordings), recordings)
+        >>> "Written by coast diagnose" in text
+        True
     """
     from coast_cli.spec.load import load_config_text
 
@@ -60,8 +68,8 @@ def calibrated_text(config: Config, calibration: Calibration, recordings: Record
     from coast_cli.spec.load import load_config_text
 
     document = config.model_dump(exclude_unset=True)
-    for estimate in calibration.whole.estimates:
-        put_number(document, estimate.parameter.key, estimate.value)
+    for parameter, value in calibration.whole.values.items():
+        put_number(document, CONFIG_KEYS[parameter], value)
     put_spread(document, calibration.spread)
     lines = [
         f"Written by coast calibrate, version {__version__}.",
@@ -77,6 +85,7 @@ def calibrated_text(config: Config, calibration: Calibration, recordings: Record
         one.parameter.key: f"fitted by coast calibrate, 90 % {one.low:.6g} to {one.high:.6g}"
         for one in calibration.whole.estimates
     }
+    notes |= {CONFIG_KEYS[name]: "fixed in coast calibrate" for name in calibration.whole.posed.fixed}
     text = _annotated(lines, document, config, notes)
     load_config_text(text, name)
     return text

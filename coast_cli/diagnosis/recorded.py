@@ -10,6 +10,7 @@ from coast_cli.errors import BadInput, nearest
 
 if TYPE_CHECKING:
     from coast_cli.diagnosis.answer import Diagnosis
+    from coast_cli.diagnosis.recorded_answer import RecordedDiagnosis
     from coast_cli.recordings.model import JointRun, Recordings
     from coast_cli.spec.config import Config
 
@@ -18,24 +19,38 @@ def diagnose(
     config: Config,
     recordings: Recordings,
     *,
-    named_hold_out: Sequence[str] = (),
-    most_effects: int = 5,
+    hold_out: Sequence[str] = (),
+    max_effects: int = 5,
     without: Sequence[str] = (),
     noise: float | None = None,
-) -> Diagnosis:
-    """Return the diagnosis of a call's recordings.
+) -> RecordedDiagnosis:
+    """Return what the model left out, when recordings disagree with it: the diagnosis of a call's recordings.
 
     Args:
-        named_hold_out: runs that no fit may see. most_effects: largest set that is tried.
-        without: ids of effects that are neither named nor rivals. noise: where it is known, in the response's unit.
+        config: of the tubes that were recorded. recordings: from ``read_recordings``.
+        hold_out: names of runs that no fit may see. max_effects: largest set that is tried.
+        without: ids of effects that are neither named nor rivals.
+        noise: of the response where it is known, in 1/m, deg, or mm for shapes alone.
 
     Raises:
         BadInput: joint runs of several kinds in one call, a run to hold out or an effect that does not exist.
         UsageError: a noise that is none.
+
+    Example:
+        >>> config = coast.load_config(coast.REFERENCE)
+        >>> table = {"stroke_mm": [1.5, 2.5, 3.5], "curvature_per_m": [1.0, 10.0, 20.0], "bending_length_mm": 30.0}
+        >>> coast.diagnose(config, coast.read_recordings(table, config)).verdict
+        'insufficient'
     """
-    _check_runs(recordings, named_hold_out)
+    from coast_cli.diagnosis.recorded_answer import RecordedDiagnosis
+
+    _check_runs(recordings, hold_out)
     _check_effects(without)
-    asked = Asked(tuple(named_hold_out), most_effects, tuple(without), _noise(recordings, noise))
+    asked = Asked(tuple(hold_out), max_effects, tuple(without), _noise(recordings, noise))
+    return RecordedDiagnosis.of(_diagnosed(config, recordings, asked), config, recordings)
+
+
+def _diagnosed(config: Config, recordings: Recordings, asked: Asked) -> Diagnosis:
     if recordings.joint is not None:
         from coast_cli.diagnosis.joint import diagnose_joint
 

@@ -15,11 +15,13 @@ from numpy.typing import ArrayLike
 
 from coast_cli.errors import BadInput
 from coast_cli.mechanics.bending_law import Softening, softening_of
+from coast_cli.mechanics.plausible import MODULUS, RADIUS, SEGMENT, WIRE, require, require_of_tubes
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.mechanics.tube import NotchedTube
 from coast_cli.mechanics.tubes import Tubes
 from coast_cli.mechanics.uneven import Free, Part, parts
 from coast_cli.mechanics.verdict import Verdict
+from coast_cli.rows import short_repr
 
 # Newton steps of the inverse; five are enough from the linear start, the rest is for hard corners.
 _MOST_STEPS = 60
@@ -32,6 +34,16 @@ class Tendon:
     radius: float
     youngs_modulus: float
     length: float
+
+    def __post_init__(self) -> None:
+        """Refuse what is far outside physics.
+
+        Raises:
+            BadInput: naming the number.
+        """
+        require(RADIUS, radius=self.radius)
+        require(MODULUS, youngs_modulus=self.youngs_modulus)
+        require(WIRE, length=self.length)
 
     @property
     def stiffness(self) -> float:
@@ -53,6 +65,8 @@ class Joint:
         outer_cover: how far beyond the inner tube's tip the outer tube covers the middle one, m; None for everywhere.
     """
 
+    __repr__ = short_repr
+
     outer: NotchedTube | None
     middle: NotchedTube
     tendon: Tendon | None
@@ -62,6 +76,14 @@ class Joint:
     notch_friction: float = 1.0
     deadband: float = 0.0
     outer_cover: float | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse what is far outside physics.
+
+        Raises:
+            BadInput: naming the number.
+        """
+        require(MODULUS, youngs_modulus=self.youngs_modulus)
 
     @cached_property
     def second_moment(self) -> float:
@@ -219,6 +241,8 @@ class StrokeSolution:
         verdict: whether the inverse converged everywhere; the direct problem always does.
     """
 
+    __repr__ = short_repr
+
     curvature: FloatArray
     stroke: FloatArray
     tension: FloatArray
@@ -256,8 +280,14 @@ def stroke(joint: DrivenSegment, curvature: ArrayLike, bending_length: ArrayLike
 
     Raises:
         BadInput: the joint has no tendon, so a stroke has no meaning.
+
+    Example:
+        >>> joint = coast.build(coast.load_config(coast.REFERENCE)).joint()
+        >>> coast.stroke(joint, [20.0, 40.0], 20e-3).stroke.round(7)
+        array([0.0026001, 0.0040002])
     """
     tendon = _tendon(joint)
+    require_of_tubes(joint, bending_length=bending_length)
     kappa, length = np.broadcast_arrays(np.asarray(curvature, dtype=float), np.asarray(bending_length, dtype=float))
     force = tension(joint, kappa, length)
     total = joint.deadband + tendon_shortening(joint, kappa, length) + force / tendon.stiffness
@@ -272,8 +302,14 @@ def curvature_from_stroke(joint: DrivenSegment, stroke_length: ArrayLike, bendin
 
     Raises:
         BadInput: the joint has no tendon, so a stroke has no meaning.
+
+    Example:
+        >>> joint = coast.build(coast.load_config(coast.REFERENCE)).joint()
+        >>> round(coast.curvature_from_stroke(joint, 2.6e-3, 20e-3).curvature.item(), 3)
+        19.999
     """
     tendon = _tendon(joint)
+    require_of_tubes(joint, stroke_length=stroke_length, bending_length=bending_length)
     drive, length = np.broadcast_arrays(np.asarray(stroke_length, dtype=float), np.asarray(bending_length, dtype=float))
     wanted = np.maximum(drive - joint.deadband, 0.0)
     stretch = friction_gain(joint, length) * joint.rigidity / joint.lever_arm / tendon.stiffness
@@ -304,7 +340,20 @@ def curvature_from_stroke(joint: DrivenSegment, stroke_length: ArrayLike, bendin
 
 
 def tip(curvature: ArrayLike, bending_length: ArrayLike) -> tuple[FloatArray, FloatArray]:
-    """Return the tip (x, y) of a segment of constant curvature, m: sin(k L)/k and (1 - cos(k L))/k, straight included."""
+    """Return the tip (x, y) of a segment of constant curvature, m: sin(k L)/k and (1 - cos(k L))/k, straight included.
+
+    Args:
+        curvature: k, 1/m. bending_length: L, m.
+
+    Raises:
+        BadInput: a bending length beyond 2 m.
+
+    Example:
+        >>> x, y = coast.tip(20.0, 30e-3)
+        >>> round(x.item() * 1e3, 3), round(y.item() * 1e3, 3)
+        (28.232, 8.733)
+    """
+    require(SEGMENT, bending_length=bending_length)
     kappa, length = np.broadcast_arrays(np.asarray(curvature, dtype=float), np.asarray(bending_length, dtype=float))
     bend = kappa * length
     along = length * np.sinc(bend / np.pi)

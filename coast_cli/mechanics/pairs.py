@@ -16,9 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coast_cli.mechanics.beam import solve_alike_curvatures, solve_beams, solve_curvatures, solve_segments
+from coast_cli.mechanics.plausible import MODULUS, require
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.mechanics.tube import NotchedTube
 from coast_cli.mechanics.tubes import Rows, Tubes
+from coast_cli.rows import short_repr
 
 Assembly = Literal["separate", "coupled"]
 
@@ -40,6 +42,8 @@ class PairTable:
             pair that bends as far under one moment, a little more than the sum of the tubes' own series rigidities.
         converged: whether the beams beneath were solved.
     """
+
+    __repr__ = short_repr
 
     total_precurvature: FloatArray
     signed_precurvature: FloatArray
@@ -137,7 +141,17 @@ def pair_table(
         outer, middle: any numbers of tubes.
         assembly: "separate" puts each tube's own sag into (8) (P); "coupled" lets each pair sag as one beam of summed
             rigidities and weights, of which what the longer tube sticks out by hangs at the end.
+
+    Raises:
+        BadInput: a modulus that is far from any material.
+
+    Example:
+        >>> design = coast.build(coast.load_config(coast.REFERENCE))
+        >>> table = coast.pair_table(design.outer, design.middle, design.gravity)
+        >>> round(table.total_precurvature[0, 3].item(), 5)
+        0.26257
     """
+    require(MODULUS, youngs_modulus=[tube.youngs_modulus for tube in (*outer, *middle)])
     return every_pair(_bent_exactly(outer, gravity), _bent_exactly(middle, gravity), gravity, assembly)
 
 

@@ -42,6 +42,11 @@ def notched_section(
         outer_radius, inner_radius: of the tube, m.
         depth: of the notch from the outer surface, m; ro <= depth < 2 ro. Arrays broadcast.
         kind: "sector" (P (1)-(2), radial cut walls) or "chord" (a straight cut, exact circular segments).
+
+    Example:
+        >>> left = coast.notched_section(225e-6, 175e-6, 400e-6)
+        >>> round(left.area.item() * 1e12, 1), round(left.neutral_axis.item() * 1e6, 1)
+        (13593.5, 185.9)
     """
     ro, ri, d = np.broadcast_arrays(_numbers(outer_radius), _numbers(inner_radius), _numbers(depth))
     return _sector(ro, ri, d) if kind == "sector" else _chord(ro, ri, d)

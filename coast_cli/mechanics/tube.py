@@ -7,9 +7,11 @@ from functools import cached_property
 
 import numpy as np
 
+from coast_cli.mechanics.plausible import CURVATURE, DENSITY, LENGTH, RADIUS, require
 from coast_cli.mechanics.section import FloatArray, SectionKind, SectionProperties
 from coast_cli.mechanics.superelastic import Superelastic
 from coast_cli.mechanics.tubes import Tubes, tubes_of
+from coast_cli.rows import short_repr
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +45,8 @@ class NotchedTube:
         superelastic: stress-strain law past the elastic range; None for a linear material.
     """
 
+    __repr__ = short_repr
+
     name: str
     outer_radius: float
     inner_radius: float
@@ -55,6 +59,17 @@ class NotchedTube:
     section: SectionKind = "sector"
     end_length: FloatArray | float = 0.0
     superelastic: Superelastic | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse what is far outside physics.
+
+        Raises:
+            BadInput: naming the number.
+        """
+        require(RADIUS, outer_radius=self.outer_radius, inner_radius=self.inner_radius)
+        require(LENGTH, cut=self.cut, uncut=self.uncut)
+        require(DENSITY, density=self.density)
+        require(CURVATURE, natural_curvature=self.natural_curvature)
 
     @property
     def count(self) -> int:

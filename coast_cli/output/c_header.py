@@ -7,8 +7,8 @@ from typing import IO, Any
 
 import numpy as np
 
-from coast_cli import __version__
 from coast_cli.design.stroke_grid import StrokeGrid, TableOrigin
+from coast_cli.version import __version__
 
 _LINE = 8  # numbers a line
 _LOOK_UP = """

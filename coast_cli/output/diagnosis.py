@@ -98,7 +98,7 @@ def write_diagnosis(answer: DiagnosisAnswer, outputs: Outputs) -> None:
     if outputs.plot is not None:
         from coast_cli.output.diagnosis_plot import plot_diagnosis
 
-        contents[outputs.plot] = plot_diagnosis(answer).render(outputs.plot.suffix.lower().removeprefix("."))
+        contents[outputs.plot] = plot_diagnosis(answer.diagnosis).render(outputs.plot.suffix.lower().removeprefix("."))
     if outputs.report is not None:
         from coast_cli.output.diagnosis_report import report
 

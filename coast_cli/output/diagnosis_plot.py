@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from coast_cli.diagnosis.answer import Diagnosis
     from coast_cli.diagnosis.curves import ShapeCurve
     from coast_cli.diagnosis.unnamed.forms import Curve
-    from coast_cli.output.diagnosis import DiagnosisAnswer
 
     Floats = NDArray[np.float64]
 
@@ -29,13 +28,12 @@ _LAW_HEIGHT, _LAW_WIDTH = 2.6, 3.6  # inches
 _BASE, _CORRECTED = COLOURS[:2]
 
 
-def plot_diagnosis(answer: DiagnosisAnswer, *, laws: bool = True) -> Picture:
+def plot_diagnosis(found: Diagnosis, *, laws: bool = True) -> Picture:
     """Draw some of the runs with their models and what is left, the place of the mismatch marked on each.
 
     Args:
         laws: whether laws without a name are drawn below, each over the range that was seen.
     """
-    found = answer.diagnosis
     shown = _spread(found.curves, MOST_PANELS)
     columns = 2 if len(shown) in (2, 4) else max(min(len(shown), 3), 1)
     rows = max(-(-len(shown) // columns), 1)
@@ -84,9 +82,8 @@ def _laws(figure: Any, curves: Sequence[Curve]) -> None:  # noqa: ANN401
         axes.legend()
 
 
-def plot_place(answer: DiagnosisAnswer) -> Picture | None:
+def plot_place(found: Diagnosis) -> Picture | None:
     """Draw the run that holds most of the mismatch, in time where there is one, with the place marked on the curve."""
-    found = answer.diagnosis
     every = [curve for curve in found.curves if isinstance(curve, JointCurve)]
     if not every:
         return None

@@ -128,7 +128,7 @@ def _picture(answer: DiagnosisAnswer) -> str:
     from coast_cli.output.diagnosis_plot import plot_diagnosis
 
     words = "Recording, refitted base and corrected model of each run, and what is left; yellow: where the mismatch is"
-    return figure(plot_diagnosis(answer, laws=False), words, "png")
+    return figure(plot_diagnosis(answer.diagnosis, laws=False), words, "png")
 
 
 def _table(names: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

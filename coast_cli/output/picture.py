@@ -5,15 +5,19 @@ Colours are those of Okabe and Ito, which colour-blind readers and grey printers
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from warnings import catch_warnings, filterwarnings
 
 from coast_cli.errors import UsageError
 from coast_cli.output.atomic import write_files
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 FORMATS = (".png", ".svg", ".pdf")
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
@@ -51,30 +55,54 @@ class Picture:
         Raises:
             UsageError: matplotlib is not installed.
         """
-        require_matplotlib()
-        from matplotlib import rc_context
-        from matplotlib.figure import Figure
-
         stream = BytesIO()
-        with rc_context(_STYLE), catch_warnings():
-            filterwarnings("ignore", "Glyph .* missing")  # a name in a script that the font lacks
-            figure = Figure(figsize=self.size, layout="constrained")
-            self.paint(figure)
-            _settle(figure)
-            figure.savefig(stream, format=format, metadata={_UNDATED[format]: None})
+        with _styled():
+            self._painted().savefig(stream, format=format, metadata={_UNDATED[format]: None})
         return stream.getvalue()
 
-    def write(self, path: Path) -> None:
+    def figure(self) -> Figure:
+        """Return the picture on a new matplotlib Figure, to be changed further.
+
+        Raises:
+            UsageError: matplotlib is not installed.
+        """
+        with _styled():
+            return self._painted()
+
+    def _painted(self) -> Figure:
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=self.size, layout="constrained")
+        self.paint(figure)
+        _settle(figure)
+        return figure
+
+    def _repr_png_(self) -> bytes | None:
+        """Return the picture for a notebook; without matplotlib it shows as text."""
+        return self.render("png") if can_draw() else None
+
+    def write(self, path: str | Path) -> None:
         """Write the picture in the format of the suffix.
 
         Raises:
             UsageError: matplotlib is not installed, the suffix is no picture, or the file cannot be written.
         """
+        path = Path(path)
         suffix = path.suffix.lower()
         if suffix not in FORMATS:
-            raise UsageError(f"--plot {path}: the suffix does not say a picture; allowed: {', '.join(FORMATS)}.")
+            raise UsageError(f"picture {path}: the suffix does not say a picture; allowed: {', '.join(FORMATS)}.")
         content = self.render(suffix[1:])
         write_files({path: lambda stream: stream.write(content)}, binary=True)
+
+
+@contextmanager
+def _styled() -> Iterator[None]:
+    require_matplotlib()
+    from matplotlib import rc_context
+
+    with rc_context(_STYLE), catch_warnings():
+        filterwarnings("ignore", "Glyph .* missing")  # a name in a script that the font lacks
+        yield
 
 
 def short(name: str, most: int = 20) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from coast_cli import __version__
+from coast_cli.version import __version__
 
 if TYPE_CHECKING:
     from coast_cli.spec.config import Config

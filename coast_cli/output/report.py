@@ -5,13 +5,20 @@ The page needs nothing from outside and no script. Without matplotlib it has its
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from html import escape
+from pathlib import Path
+from typing import TYPE_CHECKING
 
+from coast_cli.output.atomic import check_suffix, write_files
 from coast_cli.output.diagnosis_report import sections
 from coast_cli.output.diagnosis_words import HEADLINES
 from coast_cli.output.html import footer, page, paragraph, section
+from coast_cli.output.pair_drawing import drawing_alone
+from coast_cli.output.pdf import pdf_of, require_printer
 from coast_cli.output.picture import can_draw
-from coast_cli.output.report_contents import DesignReport
+from coast_cli.output.progress import waiting
+from coast_cli.output.report_contents import CURVATURES, DesignReport, Wanted, contents
 from coast_cli.output.report_design import (
     checks_section,
     ranking_section,
@@ -19,12 +26,66 @@ from coast_cli.output.report_design import (
     strokes_section,
     tolerance_section,
 )
-from coast_cli.output.report_first import first_sheet
+from coast_cli.output.report_first import drawn, first_sheet
 from coast_cli.output.report_inputs import inputs_section
+from coast_cli.spec.build import build
+
+if TYPE_CHECKING:
+    from coast_cli.recordings.model import Recordings
+    from coast_cli.spec.config import Config
 
 NO_PICTURES = (
     "There are no pictures, since matplotlib is not installed: `pip install 'coast-cli[plot]'` and run it again."
 )
+
+
+SUFFIXES = (".html", ".htm", ".pdf", ".svg")
+
+
+def report(
+    config: Config,
+    path: str | Path,
+    recordings: Recordings | None = None,
+    *,
+    pair: str | None = None,
+    curvatures: Sequence[float] = CURVATURES,
+    bending_lengths: Sequence[float] | None = None,
+    samples: int = 10_000,
+    seed: int = 0,
+    hold_out: Sequence[str] = (),
+) -> None:
+    """Write all that is known of a design as one page (.html, .pdf), or the drawing of the pair alone (.svg).
+
+    Args:
+        config: of the design. path: of the file. recordings: to diagnose with it; None leaves that out.
+        pair: ``OUTER/MIDDLE``; None is the configuration's. curvatures: of the stroke table, 1/m.
+        bending_lengths: of the stroke table, m; None: 20, 30 and 40 mm, or half and all of shorter tubes.
+        samples: over the tolerances, 0 for none. seed: of their random numbers. hold_out: runs that no fit may see.
+
+    Raises:
+        BadInput: the pair is unknown or left open, or the configuration contradicts itself.
+        UsageError: another suffix, a folder that is not there, or nothing that prints a PDF.
+
+    Example:
+        >>> coast.report(coast.load_config(coast.REFERENCE), "no/such/folder/report.html", samples=0)
+        Traceback (most recent call last):
+        coast_cli.errors.UsageError: ...
+    """
+    path = Path(path)
+    check_suffix("-o", path, SUFFIXES)
+    suffix = path.suffix.lower()
+    if suffix == ".pdf":
+        require_printer(path)
+    design = build(config)
+    if suffix == ".svg":
+        drawing = drawing_alone(*drawn(design, pair))
+        write_files({path: lambda stream: stream.write(drawing)})
+        return
+    found = contents(design, Wanted(pair, curvatures, bending_lengths, samples, seed, hold_out), recordings)
+    with waiting("drawing"):
+        text = page_of(found)
+        content = pdf_of(text) if suffix == ".pdf" else text.encode()
+    write_files({path: lambda stream: stream.write(content)}, binary=True)
 
 
 def page_of(answer: DesignReport) -> str:

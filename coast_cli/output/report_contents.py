@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 MOST_TUBES = 12
 _UNNAMED = "the configuration names none"
 _PAPER_LENGTHS = (0.020, 0.030, 0.040)
+CURVATURES = tuple(float(number) for number in range(0, 41, 5))  # 1/m
 _POINTS = 201  # of a shape; more than a picture shows
 
 
@@ -36,7 +37,7 @@ class Wanted:
     """
 
     pair: str | None = None
-    curvatures: Sequence[float] = tuple(float(number) for number in range(0, 41, 5))
+    curvatures: Sequence[float] = CURVATURES
     lengths: Sequence[float] | None = None
     samples: int = 10_000
     seed: int = 0
@@ -137,10 +138,8 @@ def _pair(design: Design, ranking: Ranking | None, recordings: Recordings | None
 def _strokes(design: Design, joint: Joint, wanted: Wanted) -> tuple[Mapping[str, Any], tuple[str, ...]]:
     longest = min(tube.length for tube in (joint.outer, joint.middle) if tube is not None)
     fitting = _PAPER_LENGTHS if longest >= max(_PAPER_LENGTHS) else (0.5 * longest, longest)
-    columns, notes = stroke_table(
-        joint, wanted.lengths or fitting, curvatures=wanted.curvatures, effects=design.effects
-    )
-    return columns, (*notes, *design.uncorrected_joint)
+    found = stroke_table(joint, wanted.lengths or fitting, curvatures=wanted.curvatures, effects=design.effects)
+    return found.columns, (*found.notes, *design.uncorrected_joint)
 
 
 def _checks(design: Design, pair: str, missing: dict[str, str]) -> Sequence[Mapping[str, Any]] | None:
@@ -177,5 +176,5 @@ def _diagnosis(config: Config, recordings: Recordings, wanted: Wanted, origin: M
     from coast_cli.output.diagnosis import DiagnosisAnswer
 
     with waiting(f"diagnosing {', '.join(recordings.run_names[:3])}"):
-        found = diagnose(config, recordings, named_hold_out=wanted.hold_out)
+        found = diagnose(config, recordings, hold_out=wanted.hold_out)
     return DiagnosisAnswer(found, found.config_used(config), recordings, origin, recordings.notes)

@@ -150,7 +150,7 @@ def _place(answer: DesignReport) -> str:
         return ""
     found = answer.diagnosis.diagnosis
     said: Sequence[str] = [named(effect) for effect in found.effects] or [found.reason]
-    picture = plot_place(answer.diagnosis) if can_draw() else None
+    picture = plot_place(found) if can_draw() else None
     words = "The recording with the model refitted (blue) and with what was left out (orange); yellow: where the mismatch is"
     return section(
         HEADLINES[found.verdict],

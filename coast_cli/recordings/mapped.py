@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 JOINS = "_"
 
 
-def read_mapped(path: str, mapping: ColumnMapping) -> tuple[Table, tuple[str, ...], tuple[str, ...]]:
-    """Read a file of text or a ``.mat`` file, its columns under our names.
+def read_mapped(path: str | Table, mapping: ColumnMapping) -> tuple[Table, tuple[str, ...], tuple[str, ...]]:
+    """Read a file of text or a ``.mat`` file, or take a table that is read, its columns under our names.
 
     Returns:
         The table; names of columns that a whole mapping leaves out; notes.
@@ -35,12 +35,15 @@ def read_mapped(path: str, mapping: ColumnMapping) -> tuple[Table, tuple[str, ..
     Raises:
         BadInput: the file cannot be read, or the mapping does not go with it.
     """
-    if Path(path).suffix.lower() == ".mat":
+    notes: tuple[str, ...] = ()
+    if isinstance(path, Table):
+        table = path
+    elif Path(path).suffix.lower() == ".mat":
         from coast_cli.recordings.matlab import read_mat
 
         table, notes = read_mat(path)
     else:
-        table, notes = read_table(path, mapping.dialect), ()
+        table = read_table(path, mapping.dialect)
     table, kept = _only_where(table, mapping)
     if not mapping.columns:
         return table, (), (*notes, *kept)

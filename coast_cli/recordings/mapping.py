@@ -135,10 +135,15 @@ def _refuse_text(text: str, part: str) -> NoReturn:
 
 
 def load_mapping(path: str | Path) -> ColumnMapping:
-    """Read a mapping file.
+    """Read a mapping file: which column of other people's files is which of ours; ``path`` is text or a Path.
 
     Raises:
         BadInput: with file, line and column of the first thing that is wrong.
+
+    Example:
+        >>> coast.load_mapping("no-such.toml")
+        Traceback (most recent call last):
+        coast_cli.errors.BadInput: no-such.toml: there is no such file.
     """
     from coast_cli.spec.config import Origin
     from coast_cli.spec.load import not_toml, read_text

@@ -10,6 +10,8 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Generic, Literal, TypeVar
 
+from coast_cli.rows import short_repr
+
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
@@ -43,6 +45,8 @@ class JointRun:
         load: force that the far end carries, [n] N, or None.
         load_moment: moment that the far end carries, [n] N m, or None.
     """
+
+    __repr__ = short_repr
 
     name: str
     source: str
@@ -113,6 +117,8 @@ class ShapeRun:
         natural: side to which the natural curvature points, or None where it is not said.
     """
 
+    __repr__ = short_repr
+
     name: str
     source: str
     line: Integers
@@ -155,7 +161,7 @@ class Recording(Generic[Run]):
 
 @dataclass(frozen=True, eq=False)
 class Recordings:
-    """What one call of a command was given: joint recordings, shapes, or both; at least one of them is there."""
+    """What one call was given: joint recordings, shapes, or both, in m, N, s, rad and 1/m; at least one of them is there."""
 
     joint: Recording[JointRun] | None = None
     shape: Recording[ShapeRun] | None = None

@@ -115,8 +115,14 @@ def estimate_noise(values: Floats, drive: Floats | None = None) -> NoiseEstimate
     """Return the noise on one smooth series.
 
     Args:
-        values: [n], NaN where a frame was dropped.
+        values: [n], in whatever unit, which is that of the answer too; NaN where a frame was dropped.
         drive: [n], what moved it; its reversals split the series. Without it the series is taken as smooth throughout.
+
+    Example:
+        >>> noise = np.random.default_rng(1).normal(0.0, 0.2, 400)
+        >>> estimate = coast.estimate_noise(np.linspace(0.0, 40.0, 400) + noise)
+        >>> round(estimate.level, 1)
+        0.2
     """
     if drive is None:
         return pooled_noise([Series(np.asarray(values, dtype=np.float64))])

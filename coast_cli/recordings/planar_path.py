@@ -15,10 +15,12 @@ import numpy as np
 from coast_cli.errors import BadInput, nearest
 from coast_cli.recordings.path_plane import FLAT, in_plane
 from coast_cli.recordings.table import Table, read_table
+from coast_cli.rows import short_repr
 from coast_cli.units import CURVATURE, LENGTH, MILLIMETRE
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+    from pathlib import Path
 
     from numpy.typing import NDArray
 
@@ -54,6 +56,8 @@ class PlanarPath:
         notes: how the file was read, where there is a choice.
     """
 
+    __repr__ = short_repr
+
     source: str
     digest: str
     rows: Floats
@@ -86,11 +90,16 @@ class PlanarPath:
         return np.asarray(np.interp(arc_length, self.arc_length, values))
 
 
-def read_path(path: str) -> PlanarPath:
-    """Read a path.
+def read_path(path: str | Path) -> PlanarPath:
+    """Read a planar path: a CSV file of arc length and curvature, or of points, units in the names of its columns.
 
     Raises:
         BadInput: with file, line and column of the first thing that is wrong.
+
+    Example:
+        >>> coast.read_path("no-such.csv")
+        Traceback (most recent call last):
+        coast_cli.errors.BadInput: no-such.csv: cannot be read (No such file or directory).
     """
     table = read_table(path)
     columns, notes = _columns(table)
@@ -102,7 +111,17 @@ def read_path(path: str) -> PlanarPath:
 
 
 def path_of_curvature(arc_length: Floats, curvature: Floats, source: str = "", digest: str = "") -> PlanarPath:
-    """Return the path of a curvature (1/m) given at increasing arc lengths (m), straight lines in between."""
+    """Return the path of a curvature (1/m) given at increasing arc lengths (m), straight lines in between.
+
+    Args:
+        arc_length: m, (n,). curvature: 1/m, positive to the left, (n,).
+        source, digest: what it came from, for provenance.
+
+    Example:
+        >>> path = coast.path_of_curvature(np.array([0.0, 0.02, 0.04]), np.array([0.0, 20.0, 20.0]))
+        >>> round(path.angle[-1].item(), 3)
+        0.6
+    """
     rows = arc_length - arc_length[0]
     fine = np.union1d(np.linspace(0.0, rows[-1], _PIECES + 1), rows)
     kappa = np.interp(fine, rows, curvature)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from coast_cli.errors import BadInput
+from coast_cli.recordings.arrays import RecordingSource, as_sources, is_table, name_of, table_of
 from coast_cli.recordings.columns import RESPONSES, Layout, find_layout
 from coast_cli.recordings.device import SHORTEST, Defaults, TextColumn, defaults_of, pair_names, shape_tubes
 from coast_cli.recordings.faults import fault_notes
@@ -33,17 +34,18 @@ AnyRun = TypeVar("AnyRun", JointRun, ShapeRun)
 
 
 def read_recordings(
-    paths: str | Path | Sequence[str | Path],
+    sources: RecordingSource | Sequence[RecordingSource],
     config: Config | None = None,
     *,
     columns: Mapping[str, str] | ColumnMapping | None = None,
     pair: str | None = None,
     bending_length_mm: float | None = None,
 ) -> Recordings:
-    """Read files of joint recordings, of shapes, or of both: text with columns, or MATLAB's ``.mat``.
+    """Read joint recordings, shapes, or both: files of text with columns, MATLAB's ``.mat``, arrays or DataFrames.
 
     Args:
-        paths: one or many files; a file without a ``run`` column is one run, named after the file.
+        sources: one or many of: the path of a file; arrays by the names of their columns, units in the names as in a
+            file's header; a DataFrame. Without a ``run`` column each is one run, named after the file.
         config: its tubes are the names allowed, its ``joint.pair`` is what a file without tubes was made on. Without it
             names are not checked, and a lone ``tube`` of a shape counts as a middle tube.
         columns: our column name -> the file's own, e.g. ``{"stroke_mm": "X1"}``, or a mapping of ``load_mapping``.
@@ -52,25 +54,30 @@ def read_recordings(
 
     Raises:
         BadInput: with file, line and column of the first thing that is wrong.
+
+    Example:
+        >>> table = {"stroke_mm": [1.5, 2.5, 3.5], "curvature_per_m": [1.0, 10.0, 20.0], "bending_length_mm": 30.0}
+        >>> run = coast.read_recordings(table, coast.load_config(coast.REFERENCE)).joint.runs[0]
+        >>> run.pair, run.stroke.tolist()
+        ('OT4/MT1', [0.0015, 0.0025, 0.0035])
     """
     defaults = defaults_of(config, pair, bending_length_mm)
-    if isinstance(paths, str | Path):
-        paths = [paths]
-    if not paths:
+    given = as_sources(sources)
+    if not given:
         raise BadInput("no recording given", allowed="one or more CSV files")
-    names = [str(path) for path in paths]
+    names = [name_of(source, index, len(given)) for index, source in enumerate(given)]
     for index, name in enumerate(names):
         if name in names[:index]:
             raise BadInput("the file is given twice", file=name)
     joint: list[JointRun] = []
     shape: list[ShapeRun] = []
-    sources: list[tuple[str, str]] = []
+    digests: list[tuple[str, str]] = []
     notes: list[str] = []
     mapping, ignored = as_mapping(columns), dict[str, None]()
-    for path in names:
-        table, spare, said = read_mapped(path, mapping)
+    for path, source in zip(names, given, strict=True):
+        table, spare, said = read_mapped(table_of(source, path) if is_table(source) else path, mapping)
         layout = find_layout(table)
-        sources.append((path, table.digest))
+        digests.append((path, table.digest))
         ignored.update(dict.fromkeys(spare))
         notes.extend((*said, *layout.notes))
         if table.decimal == ",":
@@ -85,9 +92,9 @@ def read_recordings(
     runs_joint, runs_shape = _named_apart(joint, notes), _named_apart(shape, notes)
     notes.extend(fault_notes(runs_joint))
     return Recordings(
-        joint=Recording("joint", runs_joint, tuple(sources), tuple(notes)) if joint else None,
-        shape=Recording("shape", runs_shape, tuple(sources), tuple(notes)) if shape else None,
-        sources=tuple(sources),
+        joint=Recording("joint", runs_joint, tuple(digests), tuple(notes)) if joint else None,
+        shape=Recording("shape", runs_shape, tuple(digests), tuple(notes)) if shape else None,
+        sources=tuple(digests),
         notes=tuple(notes),
     )
 
@@ -98,7 +105,7 @@ def _listed(names: Iterable[str], most: int = 20) -> str:
 
 
 def read_protocol(
-    path: str | Path,
+    source: RecordingSource,
     config: Config,
     *,
     columns: Mapping[str, str] | ColumnMapping | None = None,
@@ -110,7 +117,8 @@ def read_protocol(
     Raises:
         BadInput: as ``read_recordings``.
     """
-    table, _, notes = read_mapped(str(path), as_mapping(columns))
+    name = name_of(source, 0, 1)
+    table, _, notes = read_mapped(table_of(source, name) if is_table(source) else name, as_mapping(columns))
     if not any(name.lower().startswith(("curvature", "bend_", "notch")) for name in table.names):
         nothing = np.full(len(table.line), b"0")
         table = replace(table, names=(*table.names, "curvature_per_m"), columns=(*table.columns, nothing))
@@ -126,7 +134,7 @@ def _run_segments(table: Table, layout: Layout) -> list[tuple[str, int, int]]:
     count = len(table.line)
     column = layout.columns.get("run")
     if column is None:
-        return [(Path(table.path).stem, 0, count)]
+        return [(Path(table.path).stem.strip("<>"), 0, count)]
     starts, names = table.texts(column.name)
     first: dict[str, int] = {}
     for name, (start, _) in zip(names, segments(starts, count), strict=True):

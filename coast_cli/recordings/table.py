@@ -81,7 +81,7 @@ class Table:
         path: the file, as the user named it.
         digest: SHA-256 of its bytes.
         names: the header's names, stripped.
-        header_line: line of the header.
+        header_line: line of the header; 0 of a table that stands in memory.
         line: line of each row, [n].
         decimal: the decimal mark, "." or ",".
         columns: for each column, [n] byte strings, stripped of nothing, or [n] numbers.
@@ -157,7 +157,7 @@ class Table:
         return BadInput(
             message,
             file=self.path,
-            line=self.header_line if row is None else int(self.line[row]),
+            line=(self.header_line or None) if row is None else int(self.line[row]),
             column=place if origin is None else origin.place,
             key=name if origin is None else origin.name,
             **facts,

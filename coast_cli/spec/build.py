@@ -11,6 +11,7 @@ from coast_cli.errors import BadInput, nearest
 from coast_cli.mechanics.joint import Joint, Tendon
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.mechanics.tube import NotchedTube
+from coast_cli.rows import short_repr
 from coast_cli.spec.config import Config
 from coast_cli.spec.superelastic import build_superelastic
 from coast_cli.spec.tubes import BenchTube, Role, assembly_fault, bench_tubes, pair_names
@@ -32,6 +33,8 @@ class Design:
         config: the document it was built from.
         notes: what the user should know of the tubes, e.g. that one lies outside the table of end effects.
     """
+
+    __repr__ = short_repr
 
     outer: tuple[NotchedTube, ...]
     middle: tuple[NotchedTube, ...]
@@ -113,7 +116,13 @@ class Design:
 
 
 def build(config: Config) -> Design:
-    """Return the design a configuration describes."""
+    """Return the design that ``config`` describes: its tubes, joint and corrections in SI units.
+
+    Example:
+        >>> design = coast.build(coast.load_config(coast.REFERENCE))
+        >>> [tube.name for tube in design.outer], design.joint_pair
+        (['OT1', 'OT2', 'OT3', 'OT4'], 'OT4/MT1')
+    """
     notes: dict[str, None] = {}  # each once, in order
     outer, middle = (
         tuple(build_tube(config, tube, notes) for tube in bench_tubes(config, role)) for role in ("outer", "middle")

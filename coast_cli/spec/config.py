@@ -285,7 +285,7 @@ class Origin:
 
 
 class Config(Document):
-    """A whole configuration file."""
+    """A whole configuration file; units are in the names of its keys."""
 
     version: Annotated[Literal[1], Allowed("1")] = Field(1, description="version of this format")
     materials: dict[Name, Material] = Field(min_length=1, description="tube materials by name")
@@ -307,6 +307,15 @@ class Config(Document):
     fitted: Fitted | None = Field(None, description="how sure fitted numbers are, as a saved model has it")
 
     _origin: Origin = PrivateAttr(default_factory=Origin)
+
+    def __repr__(self) -> str:
+        """Return the file, the tubes and the pair in one line; ``model_dump()`` has all of it."""
+        tubes = [stock.samples for stock in (self.outer, self.middle) if stock is not None]
+        names = ", ".join(sample.name for samples in tubes for sample in samples)
+        pair = None if self.joint is None else self.joint.pair
+        return f"Config: {self.source or '<text>'}, tubes {names or 'none'}, pair {pair or 'not named'}"
+
+    __str__ = __repr__
 
     @property
     def source(self) -> str:

@@ -36,16 +36,26 @@ _EXPECTED = {"model_type": "a table", "dict_type": "a table", "tuple_type": "a l
 
 
 def load_config(path: str | Path) -> Config:
-    """Read and validate a TOML configuration.
+    """Read and validate a TOML configuration; ``path`` is text or a Path.
 
     Raises:
         BadInput: the file cannot be read, is not UTF-8 or not TOML, or breaks a rule of the document or geometry.
+
+    Example:
+        >>> coast.load_config(coast.REFERENCE).environment.gravity_m_per_s2
+        9.81
     """
     return load_config_text(read_text(path), str(path))
 
 
 def load_config_text(text: str, name: str = "<text>") -> Config:
-    """Validate the text of a configuration; ``name`` stands for its file in errors."""
+    """Validate the text of a configuration; ``name`` stands for its file in errors.
+
+    Example:
+        >>> coast.load_config_text("gravity = 9.81")
+        Traceback (most recent call last):
+        coast_cli.errors.BadInput: <text>:1:1: gravity: there is no such key; allowed: ...
+    """
     config, refused = read_document(text, name)
     if config is None:
         raise next(refused)

@@ -14,7 +14,7 @@ import numpy as np
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
 
-from coast_cli.design.exploration import Beginning, explore  # noqa: E402
+from coast_cli.design.exploration import explore  # noqa: E402
 from coast_cli.design.samples import make_pair  # noqa: E402
 from coast_cli.design.tolerance import tolerance_rows  # noqa: E402
 from coast_cli.design.variation import variation  # noqa: E402
@@ -66,11 +66,7 @@ def exploration(name: str, tubes: int, cuts: str, *, stream: bool) -> None:
     with TemporaryDirectory() as folder:
         file = CsvStream(Path(folder) / "pairs.csv", "", overwrite=False) if stream else None
         save = None if file is None else file.write
-        took, _ = timed(
-            lambda: explore(
-                config, text, executor=(None, 1), beginning=Beginning(), save=save, advance=lambda: None, every=stream
-            )
-        )
+        took, _ = timed(lambda: explore(config, save=save, every=stream))
         if file is not None:
             file.finish()
             size = file.path.stat().st_size / 1e6

@@ -376,9 +376,12 @@ def test_stroke_says_which_limits_are_passed(coast, reference):
         "web strain 0.0451 above",
     ):
         assert f"past a limit from 300 1/m over 40 mm: {words}" in far.err
-    mad = coast("stroke", reference, "--stroke", "1e5", "--x2", "20").err  # 63 kN, and not in silence
-    for words in ("notch faces touch", "stroke above 6 mm", "web strain 230 above 0.054, where nitinol keeps a set"):
-        assert f"past a limit from 1.527e+06 1/m over 20 mm: {words}" in mad
+    mad = coast("stroke", reference, "--stroke", "700", "--x2", "20").err  # 434 N, and not in silence
+    for words in ("notch faces touch", "stroke above 6 mm", "web strain 1.58 above 0.054, where nitinol keeps a set"):
+        assert f"past a limit from 1.052e+04 1/m over 20 mm: {words}" in mad
+    metres = coast("stroke", reference, "--stroke", "1e5", "--x2", "20")
+    assert (metres.code, metres.out) == (3, "")
+    assert "stroke_length 100 m; millimetres?; allowed: at most 0.75 m" in metres.err
     tense = coast("stroke", reference, "--stroke", "5", "--x2", "20,40")
     assert "past a limit from 54.28 1/m over 20 mm: web strain 0.00816 above 0.008" in tense.err
 

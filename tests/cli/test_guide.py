@@ -1,8 +1,12 @@
 """``coast guide``: every page is listed, printed as it stands, and an unknown topic is answered with the nearest."""
 
+import re
+from collections import Counter
+
 import pytest
 
 from coast_cli.cli.guide import PAGES
+from coast_cli.output.page_text import fitted
 
 TOPICS = sorted(path.stem for path in PAGES.glob("*.md"))
 
@@ -28,3 +32,45 @@ def test_an_unknown_topic_is_answered_with_the_nearest(coast):
     assert (ran.code, ran.out) == (2, "")
     assert ran.err == "coast: sensitive: there is no page of that name in the guide. Did you mean sensitivity?\n"
     assert "`coast guide` lists them" in coast("guide", "wine").err
+
+
+@pytest.mark.parametrize("width", [20, 40, 60, 80, 120])
+def test_no_line_is_wider_than_the_terminal_and_no_word_is_lost(coast, monkeypatch, width):
+    monkeypatch.setenv("COLUMNS", str(width))
+    for topic in (None, *TOPICS):
+        ran = coast("guide", *([topic] if topic else []))
+        assert (ran.code, ran.err) == (0, "")
+        assert max(map(len, ran.out.splitlines())) <= width
+        if topic:
+            marks = str.maketrans("", "", "|-: \n")
+            page = (PAGES / f"{topic}.md").read_text(encoding="utf-8")
+            page = re.sub(r"(?m)^\|[^|]*(\|.*\n\|[-|: ]+$)", r"\1", page)  # what heads the names of a table's rows
+            left = Counter(page.translate(marks)) - Counter(ran.out.translate(marks))
+            assert sum(left.values()) == 0
+
+
+def test_running_text_is_filled_and_what_a_program_printed_keeps_its_lines():
+    page = (
+        "# A title\n\nSome words that\ngo on.\n\n- one item that is long\n- two\n\n```console\n$ coast a\n a  b\n```\n"
+    )
+    assert fitted(page, 18).splitlines() == [
+        "# A title",
+        "",
+        "Some words that go",
+        "on.",
+        "",
+        "- one item that is",
+        "  long",
+        "- two",
+        "",
+        "```console",
+        "$ coast a",
+        " a  b",
+        "```",
+    ]
+
+
+def test_a_wide_table_becomes_a_record_a_row():
+    page = "| name | means | guide |\n|---|---|---|\n| `coast a` | what it is | [a](a.md) |\n"
+    assert fitted(page, 20).splitlines() == ["`coast a`", "  means: what it is", "  guide: [a](a.md)"]
+    assert fitted(page, 60) == page

@@ -66,6 +66,31 @@ def test_the_page_needs_nothing_from_outside(whole):
     assert "@media print" in text
 
 
+def test_every_mark_is_in_the_font_that_the_page_names(whole):
+    """In the one that matplotlib brings along, so that no browser is needed to see it."""
+    from matplotlib.font_manager import findfont, get_font
+
+    text = Page(whole.read_text(encoding="utf-8")).text
+    marks = {mark for mark in text if mark > "\x7f"}
+    font = get_font(findfont("DejaVu Sans"))
+    assert '"DejaVu Sans"' in whole.read_text(encoding="utf-8")
+    assert len(marks) >= 5
+    assert {mark for mark in marks if not font.get_char_index(ord(mark))} == set()
+
+
+def test_it_has_no_more_than_three_sheets_hold(whole):
+    """Rows, pictures and words; a browser prints as many on three sheets (`test_report_in_a_browser.py`)."""
+    page = Page(whole.read_text(encoding="utf-8"))
+    assert page.tags.count("tr") <= 190
+    assert page.tags.count("img") <= 9
+    assert len(page.text.split()) <= 2600
+
+
+def test_every_table_scrolls_in_its_own_place(whole):
+    text = whole.read_text(encoding="utf-8")
+    assert text.count("<table>") == text.count('<div class="wide"><table>') > 5
+
+
 def test_every_link_leads_to_a_section(whole):
     page = Page(whole.read_text(encoding="utf-8"))
     assert [link[1:] for link in page.values("href")] == page.values("id")
@@ -228,7 +253,7 @@ def test_short_tubes_get_lengths_they_have(coast, edited, tmp_path):
         (("{config}", "--kappa", "x", "-o", "{out}"), 2, "--kappa x"),
         (("{config}", "--x2", "4000", "-o", "{out}"), 2, "bending length 4000 mm"),
         (("{config}", "--hold-out", "none", "{recording}", "-o", "{out}"), 3, "there is no such run"),
-        (("{config}", "-o", "report.pdf"), 2, "allowed: .html, .htm"),
+        (("{config}", "-o", "report.docx"), 2, "allowed: .html, .htm"),
         (("{config}", "-o", "no/such/report.html"), 2, "there is no folder"),
         (("{config}",), 2, "--output"),
     ],

@@ -1,8 +1,13 @@
-"""The report as a browser shows it: three sheets of A4, nothing wider than the window, no glyph missing, read in the dark too."""
+"""The report as a browser shows it: three sheets of A4, nothing wider than the window, no glyph missing, read in the dark too.
+
+Where no browser is installed this witness is missing, and says so: a skip here is no pass. What can be held without one is
+held in `test_report.py`, `unit/output/test_html.py` and `unit/output/test_figure_layout.py`: marks that the page's font has,
+contrast of the style's colours in light and dark, tables that scroll in their place, as much as three sheets hold, and labels
+that do not meet.
+"""
 
 import json
 import re
-import shutil
 import subprocess
 from html import unescape
 from pathlib import Path
@@ -37,9 +42,11 @@ document.title = JSON.stringify({ wide, missing, marks: marks.length, dark, cont
 @pytest.fixture(scope="module")
 def browser(tmp_path_factory):
     """Run a browser without a window; where none is installed there is nothing to look with."""
-    program = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+    from coast_cli.output.pdf import browser as browser_here
+
+    program = browser_here()
     if program is None:
-        pytest.skip("not here: chromium")
+        pytest.skip("not here: chromium or google-chrome")
 
     profile = tmp_path_factory.mktemp("profile")  # a home may be read-only, and is one for all tests
 

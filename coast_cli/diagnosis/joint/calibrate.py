@@ -8,17 +8,17 @@ are one product are found by the null space of the sensitivities and held, one a
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from coast_cli.diagnosis.joint.build import build_joint_problem
-from coast_cli.diagnosis.joint.problem import CONFIG_KEYS, JointProblem
+from coast_cli.diagnosis.joint.calibratable import HELD_FIRST, LOGARITHMIC, Calibratable
+from coast_cli.diagnosis.joint.problem import JointProblem
 from coast_cli.diagnosis.noise_model import NOISE_COLOURS, NoiseBank
-from coast_cli.errors import BadInput, nearest
 from coast_cli.mechanics.least_squares import FitResult, Residual, least_squares, profile_interval
 
 if TYPE_CHECKING:
@@ -30,45 +30,11 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Booleans = NDArray[np.bool_]
 
-# In the order in which they are given up where the recordings cannot tell them apart.
-HELD_FIRST = ("pulley_friction", "tendon_youngs_modulus_gpa", "notch_friction", "youngs_modulus_gpa", "deadband_mm")
-USUAL = ("youngs_modulus_gpa", "notch_friction", "deadband_mm")
-LOGARITHMIC = ("youngs_modulus_gpa", "tendon_youngs_modulus_gpa")
-REASON: Mapping[str, tuple[Callable[[float], float], Callable[[float], float]]] = {
-    "youngs_modulus_gpa": (lambda value: value / 10.0, lambda value: 10.0 * value),
-    "tendon_youngs_modulus_gpa": (lambda value: value / 10.0, lambda value: 10.0 * value),
-    "notch_friction": (lambda _: 1.0, lambda _: 1.2),
-    "pulley_friction": (lambda _: 0.0, lambda _: 2.0),
-    "deadband_mm": (lambda _: 0.0, lambda value: value + 20.0),
-}
 OUTLIER = 5.0
 LEVEL = 0.9
 POOR_QUADRATIC = 0.1
 FINE_TOLERANCE = 1e-9
 ROUGH_TOLERANCE = 1e-6
-
-
-@dataclass(frozen=True)
-class Calibratable:
-    """A number of the configuration that may be fitted: its value there and its bounds, in the unit of its name."""
-
-    name: str
-    value: float
-    low: float
-    high: float
-
-    @property
-    def key(self) -> str:
-        """Its dotted key in the configuration."""
-        return CONFIG_KEYS[self.name]
-
-    def inner(self, value: float) -> float:
-        """Return the coordinate that is fitted: the logarithm of a modulus."""
-        return float(np.log(value)) if self.name in LOGARITHMIC else value
-
-    def outer(self, coordinate: float) -> float:
-        """Return the value of a coordinate."""
-        return float(np.exp(coordinate)) if self.name in LOGARITHMIC else coordinate
 
 
 @dataclass(frozen=True)
@@ -105,55 +71,27 @@ class CalibrationFit:
 
     @property
     def values(self) -> dict[str, float]:
-        """CalibrationFit values by name."""
-        return {estimate.parameter.name: estimate.value for estimate in self.estimates}
-
-
-def calibratable(config: Config, names: Sequence[str] = ()) -> tuple[Calibratable, ...]:
-    """Return the parameters to fit: those named, else those the configuration gives bounds, else the usual three.
-
-    Raises:
-        BadInput: a name is not a parameter, or the configuration has no such table.
-    """
-    from coast_cli.spec.values import Calibrated
-
-    def given(name: str) -> object:
-        table, key = CONFIG_KEYS[name].split(".")
-        return getattr(getattr(config, table), key, None)
-
-    for name in names:
-        if name not in CONFIG_KEYS:
-            raise BadInput(
-                "there is no such parameter to fit",
-                found=name,
-                allowed=", ".join(CONFIG_KEYS),
-                hint=nearest(name, CONFIG_KEYS) or None,
-            )
-        if given(name) is None:
-            raise config.refuse(tuple(CONFIG_KEYS[name].split(".")), "cannot be fitted: the configuration has none")
-    bounded = [name for name in CONFIG_KEYS if isinstance(given(name), Calibrated)]
-    chosen = dict.fromkeys(names or bounded or [name for name in USUAL if given(name) is not None])
-    return tuple(_within_reason(name, *config.bounds(CONFIG_KEYS[name]), given=name in bounded) for name in chosen)
-
-
-def _within_reason(name: str, value: float, low: float, high: float, *, given: bool) -> Calibratable:
-    """Return a parameter with its given bounds, or with bounds that no device of this kind has exceeded."""
-    if not given:
-        low, high = max(low, REASON[name][0](value)), min(high, REASON[name][1](value))
-    return Calibratable(name, value, low, high)
+        """Fitted and fixed values by name."""
+        return {**self.posed.fixed, **{estimate.parameter.name: estimate.value for estimate in self.estimates}}
 
 
 @dataclass(frozen=True)
 class Posed:
-    """Parameters and the runs that they are fitted to, those of one kind together."""
+    """Parameters and the runs that they are fitted to, those of one kind together.
+
+    Attributes:
+        fixed: values of parameters that are held, by name. weights: of the squares of single runs, by name; else 1.
+    """
 
     parameters: tuple[Calibratable, ...]
     problems: tuple[JointProblem, ...]
+    fixed: Mapping[str, float] = field(default_factory=dict)
+    weights: Mapping[str, float] = field(default_factory=dict)
 
     def values(self, coordinates: Floats, held: Mapping[str, float]) -> dict[str, float]:
         """Return all values by name."""
         free = [parameter for parameter in self.parameters if parameter.name not in held]
-        return {**held, **{p.name: p.outer(c) for p, c in zip(free, coordinates, strict=True)}}
+        return {**self.fixed, **held, **{p.name: p.outer(c) for p, c in zip(free, coordinates, strict=True)}}
 
     @cached_property
     def white(self) -> tuple[Weights, ...]:
@@ -167,6 +105,16 @@ class Posed:
             response, tension = problem.fitted(problem.predict_with(values, ()))
             parts.append((response - problem.observed) / weight.level)
             parts.append((tension - problem.observed_tension) / weight.tension_level)
+        return np.concatenate(parts) * self._roots if self.weights else np.concatenate(parts)
+
+    @cached_property
+    def _roots(self) -> Floats:
+        """The root of the weight of each row of the residual."""
+        parts = []
+        for problem in self.problems:
+            roots = [float(np.sqrt(self.weights.get(run.name, 1.0))) for run in problem.runs]
+            parts += [np.full(rows.size, roots[run]) for run, _, rows in problem.sequences]
+            parts += [np.full(rows.size, roots[run]) for run, rows in problem.tension_sequences]
         return np.concatenate(parts)
 
     def sequences(self, weights: Sequence[Weights]) -> Iterator[tuple[NDArray[np.int64], int]]:
@@ -191,8 +139,14 @@ class Weights:
     tension_colour: int
 
 
-def pose(config: Config, runs: Sequence[JointRun], parameters: Sequence[Calibratable]) -> Posed:
-    """Return the fit of parameters to runs, grouped by what they record.
+def pose(
+    config: Config,
+    runs: Sequence[JointRun],
+    parameters: Sequence[Calibratable],
+    fixed: Mapping[str, float] | None = None,
+    weights: Mapping[str, float] | None = None,
+) -> Posed:
+    """Return the fit of parameters to runs, grouped by what they record; ``fixed`` and ``weights`` as of ``Posed``.
 
     Raises:
         BadInput: a run's tubes or drive do not go with the configuration.
@@ -201,7 +155,8 @@ def pose(config: Config, runs: Sequence[JointRun], parameters: Sequence[Calibrat
     for run in runs:
         kind = (run.kind, run.response.shape[1], run.stroke is None, run.tension is None)
         kinds.setdefault(kind, []).append(run)
-    return Posed(tuple(parameters), tuple(build_joint_problem(config, members) for members in kinds.values()))
+    problems = tuple(build_joint_problem(config, members) for members in kinds.values())
+    return Posed(tuple(parameters), problems, fixed or {}, weights or {})
 
 
 def fit_parameters(posed: Posed, start: Mapping[str, float] | None = None) -> CalibrationFit:

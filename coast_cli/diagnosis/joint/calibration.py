@@ -6,21 +6,14 @@ model; the distance is that of a part from the whole it belongs to (Hausman, Eco
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from coast_cli.diagnosis.joint.calibrate import (
-    Calibratable,
-    CalibrationFit,
-    Posed,
-    calibratable,
-    fit_parameters,
-    pose,
-    refit,
-)
+from coast_cli.diagnosis.joint.calibratable import Calibratable, calibratable, ranged_elsewhere
+from coast_cli.diagnosis.joint.calibrate import CalibrationFit, Posed, fit_parameters, pose, refit
 from coast_cli.diagnosis.joint.errors import UNITS, to_unit
 from coast_cli.diagnosis.spread import Spread
 from coast_cli.errors import BadInput, nearest
@@ -40,6 +33,7 @@ EACH = "each"
 WHOLE = "all"
 CONFLICT = 3.5
 FEWEST_ROWS = 6
+LARGEST_WEIGHT = 1e6
 BRANCHES = (("load", 1), ("release", -1))
 
 
@@ -100,7 +94,7 @@ class Quality:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Calibration(Rows):
-    """What a calibration found.
+    """What a calibration found; values are in the units of their parameters' names.
 
     Attributes:
         parameters: that were asked for.
@@ -109,6 +103,7 @@ class Calibration(Rows):
         train: errors on the runs fitted. held_out: on those held out, None where there are none.
         held_out_runs: their names.
         in_turn: whether each run was held out in turn; ``whole`` is then fitted to all.
+        unmoved: dotted keys of numbers that have a range, and that these recordings say nothing of.
     """
 
     parameters: tuple[Calibratable, ...]
@@ -118,6 +113,7 @@ class Calibration(Rows):
     held_out: CalibrationErrors | None
     held_out_runs: tuple[str, ...]
     in_turn: bool
+    unmoved: tuple[str, ...] = ()
 
     @property
     def spread(self) -> Spread:
@@ -179,7 +175,16 @@ class Calibration(Rows):
     @property
     def notes(self) -> tuple[str, ...]:
         """Sentences on what could not be told, what ended on a bound, what conflicts, and how well it fits."""
-        notes = [f"{p.name} is held at its configured {p.value:g}: {reason}." for p, reason in self.whole.held]
+        notes = [
+            f"{p.name} is fitted between {p.low:g} and {p.high:g}: bounds assumed, as {p.key} has no min and max."
+            for p in self.parameters
+            if not p.given
+        ]
+        notes += [
+            f"{key} has a range and is not fitted: a stroke or tension does not depend on it." for key in self.unmoved
+        ]
+        notes += [f"{name} is fixed at the given {value:g}." for name, value in self.whole.posed.fixed.items()]
+        notes += [f"{p.name} is held at its configured {p.value:g}: {reason}." for p, reason in self.whole.held]
         for estimate in self.whole.estimates:
             if estimate.at_bound:
                 name, value = estimate.parameter.name, estimate.value
@@ -202,33 +207,55 @@ class Calibration(Rows):
 
 
 def calibrate(
-    config: Config, recordings: Recordings, names: Sequence[str] = (), hold_out: Sequence[str] = ()
+    config: Config,
+    recordings: Recordings,
+    fit: Sequence[str] = (),
+    hold_out: Sequence[str] = (),
+    *,
+    fixed: Mapping[str, float] | None = None,
+    weights: Mapping[str, float] | None = None,
 ) -> Calibration:
-    """Fit parameters of the base model to joint recordings.
+    """Fit parameters of the base model to joint recordings; values are in the units of the parameters' names.
 
     Args:
-        names: of the parameters; by default those the configuration gives bounds, else the usual three.
+        config: the model. recordings: from ``read_recordings``.
+        fit: names of the parameters; by default those the configuration gives bounds, else the usual three.
         hold_out: names of runs that are not fitted, or ``each``: every run in turn.
+        fixed: values at which parameters are held, by name, e.g. ``{"pulley_friction": 0.2}``.
+        weights: of the squares of single runs, by name: a run of weight 4 counts as one of half the noise.
 
     Raises:
-        BadInput: no joint recording, no such parameter or run, or nothing left to fit.
+        BadInput: no joint recording, no such parameter or run, a value out of range, or nothing left to fit.
+
+    Example:
+        >>> config = coast.load_config(coast.REFERENCE)
+        >>> kappa = np.linspace(1.0, 30.0, 30)
+        >>> pulled = coast.stroke(coast.build(config).joint(), kappa, 0.03).stroke
+        >>> table = {"stroke_mm": 1e3 * pulled, "curvature_per_m": kappa, "bending_length_mm": 30.0}
+        >>> found = coast.calibrate(config, coast.read_recordings(table, config), ["deadband_mm"])
+        >>> round(found.whole.values["deadband_mm"], 4)
+        1.2
     """
     if recordings.joint is None:
         raise BadInput("no joint recording to calibrate with", allowed="runs with a drive and a response")
     runs = recordings.joint.runs
-    parameters = calibratable(config, names)
+    parameters = calibratable(config, fit, fixed)
+    fixed, weights = dict(fixed or {}), _weights(runs, weights or {})
     in_turn = tuple(hold_out) == (EACH,) and EACH not in recordings.run_names
     kept_back = () if in_turn else _known(runs, hold_out)
     train = [run for run in runs if run.name not in kept_back]
     if not train or (in_turn and len(runs) < 2):
         raise BadInput("every run is held out, so none is left to fit", allowed="some of the runs")
-    whole = fit_parameters(pose(config, train, parameters))
+
+    def posed(some: Sequence[JointRun]) -> Posed:
+        return pose(config, some, parameters, fixed, weights)
+
+    whole = fit_parameters(posed(train))
     held_out = None
     if in_turn:
-        held_out = _errors_in_turn(config, runs, parameters)
+        held_out = _errors_in_turn(runs, posed)
     elif kept_back:
-        kept = pose(config, [run for run in runs if run.name in kept_back], parameters)
-        held_out = _errors(kept, whole.values)
+        held_out = _errors(posed([run for run in runs if run.name in kept_back]), whole.values)
     return Calibration(
         parameters=parameters,
         whole=whole,
@@ -237,7 +264,25 @@ def calibrate(
         held_out=held_out,
         held_out_runs=tuple(run.name for run in runs) if in_turn else kept_back,
         in_turn=in_turn,
+        unmoved=ranged_elsewhere(config),
     )
+
+
+def _weights(runs: Sequence[JointRun], given: Mapping[str, float]) -> dict[str, float]:
+    """Return the weights of runs that are there.
+
+    Raises:
+        BadInput: no such run, or no such weight.
+    """
+    known = [run.name for run in runs]
+    for name, weight in given.items():
+        if name not in known:
+            hint = nearest(name, known) or None
+            raise BadInput("there is no such run to weigh", found=name, allowed=", ".join(known), hint=hint)
+        if not 0.0 < weight <= LARGEST_WEIGHT:
+            allowed = f"above 0 and at most {LARGEST_WEIGHT:g}; a run to leave out is held out"
+            raise BadInput(f"the weight of run {name!r} is none", found=weight, allowed=allowed)
+    return dict(given)
 
 
 def _known(runs: Sequence[JointRun], names: Sequence[str]) -> tuple[str, ...]:
@@ -285,13 +330,13 @@ def _errors(posed: Posed, values: Mapping[str, float]) -> CalibrationErrors:
     return CalibrationErrors(_pooled([(posed, {})]), _pooled([(posed, values)]))
 
 
-def _errors_in_turn(config: Config, runs: Sequence[JointRun], parameters: Sequence[Calibratable]) -> CalibrationErrors:
+def _errors_in_turn(runs: Sequence[JointRun], posed: Callable[[Sequence[JointRun]], Posed]) -> CalibrationErrors:
     """Predict each run from a fit to all others, and pool the errors."""
     kept = []
     for run in runs:
-        others = fit_parameters(pose(config, [other for other in runs if other is not run], parameters))
-        kept.append((pose(config, [run], parameters), others.values))
-    return CalibrationErrors(_pooled([(posed, {}) for posed, _ in kept]), _pooled(kept))
+        others = fit_parameters(posed([other for other in runs if other is not run]))
+        kept.append((posed([run]), others.values))
+    return CalibrationErrors(_pooled([(one, {}) for one, _ in kept]), _pooled(kept))
 
 
 def _pooled(models: Sequence[tuple[Posed, Mapping[str, float]]]) -> dict[str, float]:

@@ -48,6 +48,8 @@ CONFIG_KEYS = {
     "deadband_mm": "joint.deadband_mm",
     "tendon_youngs_modulus_gpa": "tendon.youngs_modulus_gpa",
     "pulley_friction": "joint.pulley_friction",
+    "wrap_angle_rad": "joint.wrap_angle_rad",
+    "tendon_length_mm": "tendon.length_mm",
 }
 EFFORT = Effort(fitted=(9, 5), finished=(5, 4), starts=2, steps=5, second=0.6)
 
@@ -434,11 +436,15 @@ def with_base(joint: Joint, values: Mapping[str, float]) -> Joint:
         changes["notch_friction"] = values["notch_friction"]
     if "pulley_friction" in values:
         changes["pulley_friction"] = values["pulley_friction"]
+    if "wrap_angle_rad" in values:
+        changes["wrap_angle"] = values["wrap_angle_rad"]
     if "deadband_mm" in values:
         changes["deadband"] = values["deadband_mm"] * MILLIMETRE
     tendon = joint.tendon
     if tendon is not None and "tendon_youngs_modulus_gpa" in values:
         tendon = replace(tendon, youngs_modulus=values["tendon_youngs_modulus_gpa"] * GIGAPASCAL)
+    if tendon is not None and "tendon_length_mm" in values:
+        tendon = replace(tendon, length=values["tendon_length_mm"] * MILLIMETRE)
     return replace(joint, tendon=tendon, **changes)  # type: ignore[arg-type]
 
 

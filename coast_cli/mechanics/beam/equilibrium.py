@@ -17,9 +17,11 @@ from coast_cli.mechanics.beam.hanging import MOST_NUMBER
 from coast_cli.mechanics.beam.periodic import PeriodicProblem
 from coast_cli.mechanics.beam.problem import BeamProblem
 from coast_cli.mechanics.beam.solve import solve_plain_turns, solve_problem
+from coast_cli.mechanics.plausible import MODULUS, require
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.mechanics.tube import NotchedTube
 from coast_cli.mechanics.verdict import Verdict
+from coast_cli.rows import short_repr
 
 NO_EQUILIBRIUM = (
     "no equilibrium was reached from zero load: the beam is too soft for its load or its numbers overflow; "
@@ -38,6 +40,8 @@ class BeamSolution:
         curvature: mean curvature of each piece, 1/m, shape (n,); times the piece's length it is exactly its turn.
         verdict: whether the solve converged, and what was found on the way.
     """
+
+    __repr__ = short_repr
 
     s: FloatArray
     x: FloatArray
@@ -63,6 +67,8 @@ class BeamSolutions:
         turned_at: share of the load at which the path from zero load turned back, so that the beam snaps; else 1.
         load_number: of the beams that are not converged: integral of compliance times force, 1.3 where a column buckles.
     """
+
+    __repr__ = short_repr
 
     s: FloatArray
     x: FloatArray
@@ -108,6 +114,8 @@ class BeamSolutions:
 class BeamTips:
     """Tips of m beams: angle (rad), x, y (m), whether converged and the clamp's residual (rad), each of shape (m,)."""
 
+    __repr__ = short_repr
+
     angle: FloatArray
     x: FloatArray
     y: FloatArray
@@ -127,7 +135,17 @@ def solve_beam(tube: NotchedTube, gravity: float) -> BeamSolution:
     """Return the equilibrium of a tube clamped along +x under gravity (m/s^2) along -y.
 
     The start is automatic. The tip agrees with 13-digit references within 1e-13 of the length, past 90 degrees too.
+
+    Raises:
+        BadInput: a modulus that is far from any material.
+
+    Example:
+        >>> design = coast.build(coast.load_config(coast.REFERENCE))
+        >>> shape = coast.solve_beam(design.tube("MT3"), design.gravity)
+        >>> round(shape.y[-1].item() * 1e3, 3), shape.verdict.message
+        (-35.893, 'converged')
     """
+    require(MODULUS, youngs_modulus=tube.youngs_modulus)
     return solve_beams((tube,), gravity).beam(0)
 
 
@@ -180,6 +198,11 @@ def solve_segments(
 
     The step is of order 6; pieces are divided so that a step turns by at most 0.04 rad, which leaves 1e-12 of the
     length.
+
+    Example:
+        >>> hanging = coast.solve_segments([0.05], [1e-6], [1e-3], [0.0], gravity=(0.0, -9.81))
+        >>> round(hanging.y[0, -1].item() * 1e3, 3)
+        -7.525
     """
     loads = _loads(gravity, tip_force, tip_moment, base_angle)
     pieces = _broadcast(loads.turned[:, None], length, rigidity, weight, natural_curvature)
@@ -229,10 +252,19 @@ def solve_tips(
     base_angle: ArrayLike = 0.0,
     threads: int = 1,
 ) -> BeamTips:
-    """Return only the tips of m beams; arguments as for ``solve_segments``.
+    """Return only the tips of m beams: angle in rad, x and y in m.
+
+    Args:
+        length, rigidity, weight, natural_curvature, gravity, tip_force, tip_moment, base_angle: as of ``solve_segments``.
+        threads: of the compiled kernel.
 
     With numba (the extra ``[fast]``) and many beams, a compiled kernel solves them on ``threads`` threads, at about 20
     times the speed; the beams it leaves, and all without numba, are solved by ``solve_segments``. Both agree to 1e-12.
+
+    Example:
+        >>> tips = coast.solve_tips([0.05], [1e-6], [1e-3], [0.0], gravity=(0.0, -9.81))
+        >>> round(tips.y[0].item() * 1e3, 3)
+        -7.525
     """
     loads = _loads(gravity, tip_force, tip_moment, base_angle)
     pieces = _broadcast(loads.turned[:, None], length, rigidity, weight, natural_curvature)

@@ -26,8 +26,10 @@ def banded(text, pair=None, *, tolerances=False, **drive):
     others = alternatives(design, pair, tolerances=tolerances)
     drive = drive or {"curvatures": CURVATURES}
     joint = design.joint(pair)
-    columns, _ = stroke_table(joint, LENGTHS, effects=design.effects, alternatives=others, **drive)
-    return {name: np.array(values, dtype=float) for name, values in columns.items() if name not in ("outer", "middle")}
+    found = stroke_table(joint, LENGTHS, effects=design.effects, alternatives=others, **drive)
+    return {
+        name: np.array(values, dtype=float) for name, values in found.columns.items() if name not in ("outer", "middle")
+    }
 
 
 def strokes(text, draws):

@@ -45,8 +45,8 @@ def text_with(reference_text, table):
 
 def run(text, **options):
     config = load_config_text(text, "test.toml")
-    options = {"executor": (None, 1), "beginning": Beginning(), "save": None, "advance": lambda: None} | options
-    return explore(config, text, **options)
+    found = explore(config, **{"every": True, **options})
+    return list(found.rows), found.notes
 
 
 def costs(rows):

@@ -64,8 +64,8 @@ def test_the_way_back_has_its_band(reference_text):
     fitted = '[fitted]\nkeys = ["corrections.backlash.width_mm"]\nstd = [0.02]\ncorrelation = [[1.0]]\n'
     design = build(load_config_text(text + fitted))
     others = alternatives(design)
-    columns, _ = stroke_table(
+    found = stroke_table(
         design.joint(), (0.03,), curvatures=(20.0, 40.0), effects=design.effects, alternatives=others, release=True
     )
-    half = (columns["stroke_high_mm"][0] - columns["stroke_low_mm"][0]) / 2.0
+    half = (found.columns["stroke_high_mm"][0] - found.columns["stroke_low_mm"][0]) / 2.0
     assert half == pytest.approx(1.645 * 0.02, rel=0.02)

@@ -121,7 +121,7 @@ def _diagnosed(tmp_path, *, in_shapes=DEEPER, in_strokes=DEEPER, pairs=(("OT4", 
     _strokes(tmp_path / "joint.csv", in_strokes, pairs)
     config = _config()
     read = read_recordings([tmp_path / "joint.csv", tmp_path / "shape.csv"], config)
-    found = diagnose(config, read, named_hold_out=["OT4MT135"])
+    found = diagnose(config, read, hold_out=["OT4MT135"])
     return config, read, found
 
 

@@ -1,11 +1,13 @@
 """Calibration: what is returned, what cannot be told and is held, bounds, outliers, conflicts, held-out runs."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from coast_cli.diagnosis.joint.calibrate import calibratable, fit_parameters, pose
+from coast_cli.diagnosis.joint.calibratable import calibratable, ranged_elsewhere
+from coast_cli.diagnosis.joint.calibrate import fit_parameters, pose
 from coast_cli.diagnosis.joint.calibration import calibrate
 from coast_cli.diagnosis.joint.problem import with_base
 from coast_cli.errors import BadInput
@@ -259,3 +261,80 @@ def test_responses_that_no_joint_gives_still_get_an_answer(config, scale):
     run = sweep(config, "a", 0.03, release=True)
     calibration = calibrate(config, recordings(replace(run, response=scale * run.response)), ALL)
     assert all(np.isfinite(estimate.value) for estimate in calibration.whole.estimates)
+
+
+def test_every_number_with_a_range_is_fitted_or_named(config):
+    """A range on the wrap angle and the tendon's length is honoured; one on a material is said to be left alone."""
+    text = REFERENCE.read_text(encoding="utf-8")
+    wrap, length = config.joint.wrap_angle_rad, config.tendon.length_mm
+    ranged = load_config_text(
+        re.sub(
+            r"(?m)^(wrap_angle_rad|length_mm|youngs_modulus_gpa) = ([\d.]+)",
+            lambda found: (
+                f"{found[1]} = {{ value = {found[2]}, min = {float(found[2]) / 2}, max = {float(found[2]) * 2} }}"
+            ),
+            text,
+        )
+    )
+    chosen = {parameter.name: parameter for parameter in calibratable(ranged)}
+    assert set(chosen) == {"youngs_modulus_gpa", "tendon_youngs_modulus_gpa", "wrap_angle_rad", "tendon_length_mm"}
+    assert (chosen["wrap_angle_rad"].low, chosen["wrap_angle_rad"].high) == (wrap / 2, wrap * 2)
+    assert chosen["tendon_length_mm"].value == length
+    assert all(parameter.given for parameter in chosen.values())
+    assert ranged_elsewhere(ranged) == ("materials.nitinol.youngs_modulus_gpa", "inner.youngs_modulus_gpa")
+
+
+def test_a_tendon_length_is_found(config):
+    truth = {**TRUTH, "tendon_length_mm": 300.0}
+    runs = recordings(*(sweep(config, str(mm), 1e-3 * mm, truth=truth, noise=0.01) for mm in (20, 40)))
+    found = calibrate(config, runs, ["tendon_length_mm"], fixed=TRUTH)
+    assert near(of(found)["tendon_length_mm"], 300.0)
+
+
+def test_bounds_that_are_assumed_and_values_that_are_fixed_are_said(config):
+    runs = recordings(*(sweep(config, str(mm), 1e-3 * mm) for mm in (20, 40)))
+    found = calibrate(config, runs, ["deadband_mm"], fixed={"youngs_modulus_gpa": 47.0, "notch_friction": 1.008})
+    said = " ".join(found.notes)
+    assert "deadband_mm is fitted between 0 and 21.2: bounds assumed, as joint.deadband_mm has no min and max." in said
+    assert "youngs_modulus_gpa is fixed at the given 47." in said
+    assert near(of(found)["deadband_mm"], 1.0)
+    free = calibrate(config, runs, ["deadband_mm"])
+    assert abs(of(free)["deadband_mm"].value - 1.0) > abs(of(found)["deadband_mm"].value - 1.0)
+
+
+def test_a_heavy_run_draws_the_values_to_itself(config):
+    """Two runs that disagree on the deadband: the value moves from one's to the other's with the weight."""
+    one, other = sweep(config, "one", 0.02, truth={**TRUTH, "deadband_mm": 0.8}), sweep(config, "other", 0.04)
+    fixed = {"youngs_modulus_gpa": 47.0, "notch_friction": 1.008}
+
+    def value(**weights):
+        found = calibrate(config, recordings(one, other), ["deadband_mm"], fixed=fixed, weights=weights)
+        return of(found)["deadband_mm"].value
+
+    even, first, second = value(), value(one=1e4), value(other=1e4)
+    assert first == pytest.approx(0.8, abs=0.02)
+    assert second == pytest.approx(1.0, abs=0.02)
+    assert first < even < second
+    assert value(one=1.0, other=1.0) == pytest.approx(even, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"fixed": {"notch_frction": 1.0}}, "Did you mean notch_friction"),
+        (
+            {"fixed": {"notch_friction": 0.5}},
+            "notch_friction cannot be fixed there; found 0.5; allowed: a number from 1",
+        ),
+        ({"fixed": {"notch_friction": np.nan}}, "cannot be fixed there"),
+        ({"fit": ["deadband_mm"], "fixed": {"deadband_mm": 1.0}}, "to be fitted and fixed at once"),
+        ({"fixed": TRUTH}, "none is left to fit"),
+        ({"weights": {"b": 2.0}}, "there is no such run to weigh; found 'b'; allowed: a"),
+        ({"weights": {"a": 0.0}}, "the weight of run 'a' is none; found 0.0; allowed: above 0"),
+        ({"weights": {"a": np.inf}}, "the weight of run 'a' is none"),
+    ],
+)
+def test_a_fixed_value_or_weight_that_cannot_be_is_one_sentence(config, given, said):
+    with pytest.raises(BadInput) as caught:
+        calibrate(config, recordings(sweep(config, "a", 0.02)), **given)
+    assert said in str(caught.value)
