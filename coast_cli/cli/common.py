@@ -11,6 +11,7 @@ from typing import Annotated, Any, get_type_hints
 
 import typer
 
+from coast_cli.cli.paths import READS
 from coast_cli.errors import UsageError
 from coast_cli.output.view import VIEW, View
 
@@ -26,6 +27,13 @@ _CHANGES: Any = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY=VALUE", help="another value than the file's, repeatable: joint.deadband_mm=1.1"),
 ]
+_EFFECTS: Any = Annotated[
+    list[Path] | None,
+    typer.Option("--effects", metavar="FILE.py", help="effects of your own (a program, which is run); repeatable"),
+    READS,
+]
+# Work that is shared out starts new processes, which know the built-in effects alone.
+_SHARED_OUT = {"explore", "tolerance"}
 _QUIET: Any = Annotated[bool, typer.Option("--quiet", "-q", help="no notes and no progress on stderr, errors only")]
 
 
@@ -34,17 +42,23 @@ def with_common_options(command: Callable[..., Any], *, prints_table: bool) -> C
     hints = get_type_hints(command, include_extras=True)
     parameters = signature(command).parameters
     reads = [name for name in ("config", "configs") if name in parameters]
-    options = {**({"changes": _CHANGES} if reads else {}), **(_TABLE if prints_table else {}), "quiet": _QUIET}
+    takes_effects = (reads and command.__name__ not in _SHARED_OUT) or command.__name__ in {"explain", "effects"}
+    options = {
+        **({"changes": _CHANGES} if reads else {}),
+        **({"own_effects": _EFFECTS} if takes_effects else {}),
+        **(_TABLE if prints_table else {}),
+        "quiet": _QUIET,
+    }
     added = {name: hint for name, hint in options.items() if name not in parameters}
 
     @wraps(command)
     def run(**given: Any) -> Any:  # noqa: ANN401
         own = {name: given.pop(name) for name in added}
-        changes = own.pop("changes", None) or []
+        changes, files = own.pop("changes", None) or [], own.pop("own_effects", None) or []
         _refuse_swapped(given)
         token = VIEW.set(View(show=_names(own.pop("show", None)), **own))
         try:
-            with _changing([given[name] for name in reads], changes):
+            with _using(files), _changing([given[name] for name in reads], changes):
                 return command(**given)
         finally:
             VIEW.reset(token)
@@ -61,6 +75,15 @@ def with_common_options(command: Callable[..., Any], *, prints_table: bool) -> C
 
 def _names(text: str | None) -> tuple[str, ...]:
     return tuple(name.strip() for name in (text or "").split(",") if name.strip())
+
+
+def _using(files: list[Path]) -> Any:  # noqa: ANN401
+    """Return what lets effects of the user's own take part."""
+    if not files:
+        return nullcontext()
+    from coast_cli.effects.own import using_effects
+
+    return using_effects(files)
 
 
 def _changing(given: list[Any], changes: list[str]) -> Any:  # noqa: ANN401

@@ -80,7 +80,9 @@ def _noise(recordings: Recordings, noise: float | None) -> float | None:
 
 def _check_effects(ids: Sequence[str]) -> None:
     from coast_cli.effects.catalogue import CATALOGUE
+    from coast_cli.effects.own import add_installed
 
+    add_installed()
     known = sorted(CATALOGUE)
     for identifier in ids:
         if identifier not in known:

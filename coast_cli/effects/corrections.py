@@ -16,6 +16,7 @@ from coast_cli.effects.unnamed import DamagedLaw, UnnamedLaw
 from coast_cli.errors import nearest
 
 Correction = Mapping[str, float | str | Sequence[float]]
+_OWN = "One of your own is there once its file is named: --effects FILE.py."
 _UNNAMED = re.compile(r"unnamed_([1-9])")
 
 
@@ -52,7 +53,9 @@ def faults(corrections: Mapping[str, Correction], catalogue: Mapping[str, type[E
                 path = (effect, error.key) if error.key in values else (effect,)
                 yield Fault(path, f"a damaged law without a name: {error}")
         elif effect not in known:
-            yield Fault((effect,), "there is no such effect", allowed=", ".join(known), hint=nearest(effect, known))
+            yield Fault(
+                (effect,), "there is no such effect", allowed=", ".join(known), hint=nearest(effect, known) or _OWN
+            )
         else:
             yield from _value_faults(effect, values, known[effect])
 

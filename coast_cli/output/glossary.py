@@ -62,11 +62,18 @@ def effect_rows() -> list[Row]:
     return sorted(found, key=lambda row: order.index(str(row["stage"])))
 
 
-@cache
 def glossary() -> dict[str, list[Row]]:
     """Return all entries by full name."""
+    from coast_cli.effects.catalogue import CATALOGUE
+
+    return _glossary(tuple(CATALOGUE))
+
+
+@cache
+def _glossary(effects: tuple[str, ...]) -> dict[str, list[Row]]:
+    """Return all entries with these effects, which a user's own may be among."""
     found: dict[str, list[Row]] = {}
-    for entry in (*_effects(), *_keys(), *_columns()):
+    for entry in (*_effects(effects), *_keys(), *_columns()):
         found.setdefault(str(entry["name"]), []).append(entry)
     return found
 
@@ -83,12 +90,12 @@ def _entry(
     return {"name": name, "kind": kind, "meaning": meaning, "allowed": allowed, "typical": typical, "source": source}
 
 
-def _effects() -> Iterator[Row]:
+def _effects(known: tuple[str, ...]) -> Iterator[Row]:
     from coast_cli.effects.catalogue import effects_of
     from coast_cli.effects.effect import declared
 
     for recording, where in WHERE.items():
-        for effect in effects_of(recording).values():
+        for effect in (e for e in effects_of(recording).values() if e.id in known):
             said = declared(effect, recording)
             meaning = f"{said.title} ({effect.component}): {said.equation}"
             yield _entry(effect.id, f"{effect.kind} effect of {where}", meaning, source=said.source)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
+from coast_cli.effects.own import SOURCES
 from coast_cli.version import __version__
 
 if TYPE_CHECKING:
@@ -42,6 +43,8 @@ def provenance(
     known = [{"file": path, "sha256": digest} for path, digest in recordings]
     if known:
         origin["recordings"] = known
+    if SOURCES:
+        origin["effects"] = [{"file": path, "sha256": digest} for path, digest in SOURCES]
     if options:
         origin["options"] = dict(options)
     if seed is not None:

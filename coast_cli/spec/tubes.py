@@ -327,7 +327,10 @@ def _check_corrections(config: Config) -> None:
         return
     from coast_cli.effects.catalogue import CATALOGUE
     from coast_cli.effects.corrections import faults
+    from coast_cli.effects.own import add_installed
 
+    if not CATALOGUE.keys() >= config.corrections.keys():
+        add_installed()
     for fault in faults(config.corrections, CATALOGUE):
         path: Path = ("corrections", *fault.path)
         raise config.refuse(path, fault.message, found=fault.found, allowed=fault.allowed, hint=fault.hint)

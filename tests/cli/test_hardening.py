@@ -201,6 +201,7 @@ def test_nothing_is_unpickled_evaluated_or_fetched():
     called = {
         "eval",
         "exec",
+        "exec_module",
         "compile",
         "__import__",
         "system",
@@ -226,4 +227,4 @@ def test_nothing_is_unpickled_evaluated_or_fetched():
             shell = getattr(options.get("shell"), "value", False)
             if (name in called and owner != "re") or pickled or shell:
                 found.append((file, ast.unparse(node)[:80]))
-    assert found == []
+    assert found == [("own.py", "spec.loader.exec_module(module)")]  # the file that --effects names, which is said
