@@ -131,7 +131,7 @@ class JointCase(Case):
         return describe(laws, display_of(self.problem), nearest)
 
     def told_law(self, final: Fit) -> Description | None:
-        """Return all that is said of the law as it is saved."""
+        """Return all that is said of the law: as it is saved, or as it led where it explains only a part."""
         if self.described is None or self.law is None or self.told is None:
             return None
         nearest = () if self.names else self.told.nearest
@@ -139,8 +139,9 @@ class JointCase(Case):
         before, after = self.comparison.refitted.held_out, self.comparison.with_effects.held_out
         level = max(self.in_unit(self.problem.noise_estimate.level), 1e-300)
         errors = None if before is None or after is None else (before / level, after / level)
-        known = known_of(self.problem, final, errors)
-        return describe([laws_of(final.effects), *others], display_of(self.problem), nearest, known)
+        shown = final if laws_of(final.effects) else self.leading.fit
+        known = known_of(self.problem, shown, errors)
+        return describe([laws_of(shown.effects), *others], display_of(self.problem), nearest, known)
 
     def in_widths(self, error: float | None) -> float:
         """Return what an error, in the unit of tables, is beyond the noise, in noise widths."""

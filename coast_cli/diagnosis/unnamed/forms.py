@@ -21,6 +21,7 @@ HOLDS_TO = 0.1
 _POINTS = 121
 _TABLE = 7
 _WIDTH_90 = 1.6448536269514722  # standard deviations on either side of 90 % of a normal distribution
+_NOTHING = 1e-9  # of its largest value, below which the variable is zero
 _STEP = 1e-4  # relative, of a setting
 _LEAST_TERM = 5e-3  # of the largest term, below which a term is not printed
 _DIGITS = (3, 4, 6)  # of a printed number; more where fewer would miss the curve
@@ -139,6 +140,7 @@ def curve_of(law: UnnamedLaw) -> tuple[FloatArray, FloatArray]:
     """Return the remembered variable over the range that was seen, SI, and what the law adds there, each (n,)."""
     low, high = (0.0, law.setting) if law.memory == "period" else (law.low, law.high)
     along = np.linspace(low, high, _POINTS)
+    along[np.abs(along) < _NOTHING * float(np.max(np.abs(along)))] = 0.0
     return along, law.of(along)
 
 
