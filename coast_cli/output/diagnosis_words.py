@@ -144,7 +144,7 @@ def told(found: Diagnosis) -> tuple[str, str] | None:
     law = found.unnamed
     if law is None:
         return None
-    beside = "What the names leave: " if found.effects else ""
+    beside = "What the names leave: " if found.effects else "A part of it. " if found.verdict == "unexplained" else ""
     return f"{beside}{law.words}", law.equation
 
 

@@ -141,7 +141,7 @@ def a_law_without_a_name_leads(case: JointCase) -> Ruling | None:
     if case.described is None or case.names:
         return None
     if case.is_refused_by_unseen_rows:
-        return Ruling("unexplained", f"{case.missed_words}; a part of it: {case.described.words}")
+        return Ruling("unexplained", f"{case.missed_words}; a law without a name explains a part of it")
     return Ruling("unnamed", f"a law without a name {case.explains_words}")
 
 

@@ -263,7 +263,7 @@ def _forms(x: FloatArray, name: str) -> Iterator[tuple[str, tuple[Columns, list[
     yield (
         "a saturating curve",
         (lambda x, w: np.stack([one, np.tanh((x - first) / w[0])], 1), widths),
-        lambda c, w: _sum(c, ("", f"tanh(({name}{_less(first)})/{w[0]:.6g})")),
+        lambda c, w: _sum(c, ("", f"tanh({f'({name}{_less(first)})' if first else name}/{w[0]:.6g})")),
     )
     yield (
         "a hump",

@@ -19,7 +19,7 @@ _LATE = 0.3  # of the range, over which it hardly changes before it begins or af
 _ADDED: Mapping[Place, tuple[str, str]] = {
     "drive": ("an added stroke", "a lost stroke"),
     "tendon": ("an added length of the tendon", "a shortening of the tendon"),
-    "transmission": ("an added loss of tension (ln of the ratio)", "a smaller loss of tension (ln of the ratio)"),
+    "transmission": ("an added loss of tension (ln of the ratio)", "a gain of tension (ln of the ratio)"),
     "structure": (
         "an added bending moment (as EI times curvature)",
         "a missing bending moment (as EI times curvature)",

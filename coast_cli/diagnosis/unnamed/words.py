@@ -130,10 +130,12 @@ def _agreed(answers: Sequence[bool]) -> bool | None:
 
 
 def _facts(leading: Sequence[UnnamedLaw], *, memory: bool | None, rate: bool | None) -> str:
-    who = " or ".join(dict.fromkeys(subject(law) for law in leading if remembers(law) or not memory))
+    who = list(dict.fromkeys(subject(law) for law in leading if remembers(law)))
     facts = []
     if memory is not None:
-        facts.append(f"{who} remembers" if memory and who else "it does not remember")
+        facts.append(
+            f"{' and '.join(who)} remember{'s' if len(who) == 1 else ''}" if memory else "it does not remember"
+        )
     if rate is not None:
         facts.append("speed matters" if rate else "speed does not matter")
     return f": {', '.join(facts)}" if facts else ""
