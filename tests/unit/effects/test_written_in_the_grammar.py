@@ -1,4 +1,4 @@
-"""Every effect of the catalogue can be written in the grammar: laws fitted to its prediction, without noise, reproduce it.
+"""Every effect that a joint shows can be written in the grammar: laws fitted to its prediction reproduce it, without noise.
 
 Base parameters (modulus, dead band) are free, as in a diagnosis. What is left is told as a share of what the effect changes.
 """
@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from coast_cli.diagnosis.joint.problem import with_base
-from coast_cli.effects.catalogue import CATALOGUE
+from coast_cli.effects.catalogue import effects_of
 from coast_cli.effects.effect import History
 from coast_cli.effects.forward import Layout, predict
 from coast_cli.effects.unnamed import UnnamedLaw, remember, variable_of
@@ -17,6 +17,7 @@ from coast_cli.spec.build import build_joint
 from coast_cli.spec.load import REFERENCE, load_config
 
 JOINT = build_joint(load_config(REFERENCE), "OT4", "MT1")
+KNOWN = effects_of("joint")
 LAYOUT = Layout("curvature", 1, 120.0)
 LEGS = ((0.0, 3.6e-3, 36), (3.6e-3, 3.6e-3, 10), (3.6e-3, 1.8e-3, 18), (1.8e-3, 3.0e-3, 12), (3.0e-3, 0.2e-3, 28))
 FULL = ((0.0, 3.6e-3, 40), (3.6e-3, 0.2e-3, 40))
@@ -104,7 +105,7 @@ STEP, ROUNDS = 1e-2, 25
 
 
 def planted(identifier, values):
-    kind = CATALOGUE[identifier]
+    kind = KNOWN[identifier]
     return kind(**{**{p.name: p.null for p in kind.parameters}, **values})
 
 
@@ -168,7 +169,7 @@ def closest(target, laws, runs, what):
 
 
 def test_every_effect_is_written():
-    assert set(WRITTEN) == set(CATALOGUE)
+    assert set(WRITTEN) == set(KNOWN)
 
 
 @pytest.mark.parametrize("identifier", WRITTEN)
