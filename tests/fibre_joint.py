@@ -125,3 +125,12 @@ def recorded(world, *, noise=0.12, seed=0, plans=PLANS, witness=False):
             )
         )
     return runs
+
+
+def work_of_a_loop(world, top, length, pace=0.5):
+    """Return the work (J) that a second loop of the stroke to ``top`` (m) and back takes."""
+    way = np.concatenate([np.linspace(0.0, top, 200, endpoint=False), np.linspace(top, 0.0, 200, endpoint=False)])
+    stroke = np.concatenate([way, way])
+    tension = played(world, pace * np.arange(stroke.size), stroke, length)[1]
+    steps = 0.5 * (tension[1:] + tension[:-1]) * np.diff(stroke)
+    return float(np.sum(steps[way.size :]))

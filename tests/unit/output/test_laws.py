@@ -59,11 +59,11 @@ def test_json_holds_every_curve_with_its_band(answer):
     assert [one["stage"] for one in law["laws"]] == ["structure", "drive", "drive"]
 
 
-def test_the_picture_names_what_is_drawn_with_units(answer):
+def test_the_picture_names_what_is_drawn_with_units():
     svg = plot_laws(TOLD.curves).render("svg")
     assert svg == plot_laws(TOLD.curves).render("svg")
-    assert plot_diagnosis(answer).size[1] > plot_diagnosis(answer, laws=False).size[1]
-    assert plot_diagnosis(answer).render("png")[:4] == b"\x89PNG"
+    assert plot_diagnosis(UNNAMED).size[1] > plot_diagnosis(UNNAMED, laws=False).size[1]
+    assert plot_diagnosis(UNNAMED).render("png")[:4] == b"\x89PNG"
 
 
 def test_the_report_has_the_picture_and_the_table(answer):

@@ -4,9 +4,10 @@ import pytest
 
 from coast_cli.diagnosis.joint import diagnose_joint
 from coast_cli.spec.load import REFERENCE, load_config
-from tests.fibre_joint import World, recorded
+from tests.fibre_joint import World, recorded, work_of_a_loop
 
 CONFIG = load_config(REFERENCE)
+HEIGHTS = ((0.030, 3.6e-3), (0.028, 3.5e-3), (0.032, 3.7e-3))  # at which all lengths bend alike
 
 
 def diagnosed(world, *without, **options):
@@ -48,3 +49,40 @@ def test_a_tendon_that_wears_is_told_by_its_path_and_rate():
     assert "y = path of X1" in told.equation
     half = [high - low for high, low in zip(told.curves[0].high, told.curves[0].low, strict=True)]
     assert 0.0 < max(half) < 0.1
+
+
+def test_a_viscous_sheath_is_told_as_a_moment_of_the_structure_that_fades_and_dissipates():
+    concealed = ("viscous_friction", "sensor_lag", "tendon_creep", "thermal_drift", "backlash", "coulomb_friction")
+    rest = ("capstan_hysteresis", "snap_through", "tube_hysteresis", "distributed_notch_friction")
+    drag = 0.25
+    answer = diagnosed(World(drag=drag), *concealed, *rest, witness=True)
+    told = answer.unnamed
+    assert answer.verdict == "unnamed"
+    assert (told.stages, told.variables) == (("structure",), ("curvature",))
+    assert (told.memory, told.rate, told.dissipative) == (True, True, True)
+    assert "an added bending moment (as EI times curvature) that comes at once and fades" in told.words
+    assert "the structure remembers, speed matters; dissipates" in told.words
+    assert told.energy_uj == pytest.approx(6.3, rel=0.2)
+    share, late = told.parameters["weight_0"], told.laws[0].setting
+    reach = max(abs(told.laws[0].low), abs(told.laws[0].high))
+    assert -share / reach * late == pytest.approx(drag, rel=0.15)  # of EI, in seconds, as the sheath has it
+    assert answer.comparison.with_effects.held_out < 1.2 * answer.noise < 0.5 * answer.comparison.refitted.held_out
+
+
+def test_a_superelastic_loop_is_told_as_a_moment_that_softens_and_rubs_between_the_plateaus():
+    concealed = ("tube_hysteresis", "tube_superelasticity", "snap_through", "capstan_hysteresis", "coulomb_friction")
+    plans = [
+        (x2, top, pace) for (x2, top), pace in zip((*HEIGHTS, *HEIGHTS[:2]), (1.0, 4.0, 0.3, 2.0, 0.5), strict=True)
+    ]
+    world = World(plateaus=(0.0022, 0.0015))
+    answer = diagnosed(world, *concealed, "backlash", "distributed_notch_friction", witness=True, plans=plans)
+    told = answer.unnamed
+    assert answer.verdict == "unnamed"
+    assert "structure" in told.stages
+    assert told.variables == ("curvature",)
+    assert (told.memory, told.rate, told.dissipative) == (True, False, True)
+    assert "an added bending moment (as EI times curvature) that rises with the curvature" in told.words
+    assert "and then falls" in told.words
+    assert "in a loop to 3.7 mm and back at X2 = 32 mm" in told.words
+    assert told.energy_uj == pytest.approx(1e6 * work_of_a_loop(world, 3.7e-3, 0.032), rel=0.25)
+    assert answer.comparison.with_effects.held_out < 0.4 * answer.comparison.refitted.held_out
