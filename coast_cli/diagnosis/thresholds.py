@@ -186,6 +186,9 @@ ODDS_GAIN = Threshold(0.05, "log odds", "a unit of log(1 + nats of a law ahead o
 ODDS_BESIDE = Threshold(0.2, "log odds", "where a law stands beside the names", _PILOT)
 ODDS_NAMES = Threshold(0.6, "log odds", "of a set of names", _PILOT)
 ODDS_DOUBT = Threshold(1.0, "log odds", "a unit of the noise level's standard deviation of logarithm", _PILOT)
+MODULUS_CALIBRATED = Threshold(
+    0.03, "of its logarithm", "to which a configured modulus is known, as calibrations repeat", _REASON
+)
 
 ALL: dict[str, Threshold] = {name: value for name, value in list(globals().items()) if isinstance(value, Threshold)}
 

@@ -23,6 +23,7 @@ from coast_cli.diagnosis.joint.problem import CONFIG_KEYS, JointProblem
 from coast_cli.diagnosis.joint.structure import Structure, find_structure
 from coast_cli.diagnosis.joint.told import display_of, known_of, laws_of, parting
 from coast_cli.diagnosis.joint.unseen import Unseen, foretold, runs_against_the_rest, strangers
+from coast_cli.diagnosis.joint.witness import strained
 from coast_cli.diagnosis.joint.words import (
     SAME_SWEEP_AGAIN,
     joint_limits,
@@ -425,6 +426,7 @@ class JointCase(Case):
         touching = zip(self.problem.base, leading.at_bound, strict=False)
         notes.extend(f"{parameter.name} is on its bound" for parameter, bound in touching if bound)
         notes.extend(plateau_note(self.problem, leading) if self.is_named(ruling) else [])
+        notes.extend(strained(self.problem, leading))
         if not leading.converged:
             notes.append("the fit was still moving when it stopped")
         return tuple(notes)

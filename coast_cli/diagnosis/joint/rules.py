@@ -13,6 +13,7 @@ from coast_cli.diagnosis.joint.holdout import rows_of_one_run
 from coast_cli.diagnosis.joint.moments import lost_steps
 from coast_cli.diagnosis.joint.problem import JointProblem
 from coast_cli.diagnosis.joint.unseen import foretold
+from coast_cli.diagnosis.joint.witness import load_cell_in_another_scale, same_factor_words
 from coast_cli.diagnosis.judge import (
     Case,
     Ruling,
@@ -229,6 +230,19 @@ def names_that_are_too_unsure_give_way(case: JointCase) -> Case | Ruling | None:
     return Ruling("unexplained", f"{why}; {case.explains_words}; the model saved holds them", keeps_model=True)
 
 
+def one_factor_of_both_moduli_is_the_load_cell(case: JointCase) -> Case | None:
+    """Rule: where nothing is named but both moduli are off by one factor, the load cell reads in another scale."""
+    if case.names or case.law is not None or case.is_stale or case.is_refused_by_unseen_rows:
+        return None
+    base = case.contest.base.fit
+    found = load_cell_in_another_scale(case.problem, base)
+    if found is None:
+        return None
+    named = hypothesis(case.problem, found)
+    contest = replace(case.contest, leading=named, tried=(case.contest.base, named))
+    return replace(case, contest=contest, remark=same_factor_words(case.problem, base), has_laws=False)
+
+
 def unseen_rows_decide(case: JointCase) -> Ruling | None:
     """Rule: what unseen rows contradict is not said, be it a name or that nothing is left out."""
     return Ruling("unexplained", case.missed_words) if case.is_refused_by_unseen_rows else None
@@ -243,6 +257,7 @@ JOINT_RULES: tuple[VerdictRule, ...] = (
     a_law_that_unseen_rows_do_not_show_is_dropped,
     one_run_that_differs_is_named,
     frames_that_repeat_are_named,
+    one_factor_of_both_moduli_is_the_load_cell,
     a_law_without_a_name_leads,
     structure_is_left,
     unseen_rows_decide,

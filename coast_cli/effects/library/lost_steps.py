@@ -19,8 +19,9 @@ def _lost(name: str, *, first: bool) -> Parameter:
     return Parameter(name, 0.0, -5.0, 5.0, (0.1,) if first else (0.0,), _RANGE)
 
 
-def _moment(name: str) -> Parameter:
-    return Parameter(name, 0.0, 0.0, 1e6, (0.0,), "within the run, from its first row", role="moment")
+def _moment(name: str, *, first: bool) -> Parameter:
+    within = "within the run, from its first row; 0 for none"
+    return Parameter(name, 0.0, 0.0, 1e6, (0.4 if first else 0.0,), within, "duration", role="moment")
 
 
 @dataclass(frozen=True)
@@ -44,11 +45,11 @@ class LostSteps(OnDrive):
     parameters = (
         RUN,
         _lost("lost_mm", first=True),
-        _moment("time_s"),
+        _moment("time_s", first=True),
         _lost("second_lost_mm", first=False),
-        _moment("second_time_s"),
+        _moment("second_time_s", first=False),
         _lost("third_lost_mm", first=False),
-        _moment("third_time_s"),
+        _moment("third_time_s", first=False),
     )
     needs = ("stroke", "time")
     unlikely = 6.0  # its run and moment are one in some hundreds
@@ -80,6 +81,6 @@ class LostSteps(OnDrive):
             return history
         stroke, within = history.stroke, history.time - history.time[0]
         for lost, moment in self.moments:
-            if lost != 0.0:
+            if lost != 0.0 and moment > 0.0:
                 stroke = stroke - lost * MILLIMETRE * (within >= moment)
         return replace(history, stroke=stroke)

@@ -27,7 +27,7 @@ class NotchClosure(OnStructure):
         Parameter(
             "closure_ratio",
             1.0,
-            0.05,
+            1e-4,
             3.0,
             (0.35, 0.55, 0.75, 0.9),
             "1 by geometry; burrs close early",
