@@ -39,7 +39,7 @@ from coast_cli.effects.library.frozen_frames import FrozenFrames
 from coast_cli.effects.library.lost_steps import LostSteps
 from coast_cli.effects.library.run_differs import RunDiffers
 
-OF_ONE_RUN = (RunDiffers, BendingLengthLabel)
+OF_ONE_RUN = (RunDiffers, BendingLengthLabel, LostSteps)
 _MOST_SUSPECTS = 4
 
 
@@ -149,11 +149,7 @@ def a_law_without_a_name_leads(case: JointCase) -> Ruling | None:
 def names_explain(case: JointCase) -> Ruling:
     """Rule: the leading effects are named, and what they explain and leave is said in noise widths."""
     ruling = effects_are_named(case)
-    owners = [
-        case.problem.runs[round(e.run)].name
-        for e in case.leading.fit.effects
-        if isinstance(e, (*OF_ONE_RUN, LostSteps))
-    ]
+    owners = [case.problem.runs[round(e.run)].name for e in case.leading.fit.effects if isinstance(e, OF_ONE_RUN)]
     which = f" (run {', '.join(owners)})" if owners else ""
     return Ruling(ruling.verdict, f"{' + '.join(case.names)}{which} {case.explains_words}")
 
