@@ -1,10 +1,16 @@
 """From a seed to a sentence: recordings of a bench that shares nothing with the package, of what no name explains."""
 
+from dataclasses import replace
+
 import pytest
 
+from coast_cli.diagnosis.fit import fit
 from coast_cli.diagnosis.joint import diagnose_joint
+from coast_cli.diagnosis.joint.told import known_of
+from coast_cli.effects.unnamed import UnnamedLaw
 from coast_cli.spec.load import REFERENCE, load_config
 from tests.fibre_joint import World, recorded, work_of_a_loop
+from tests.modelled_joint import problem_of
 
 CONFIG = load_config(REFERENCE)
 HEIGHTS = ((0.030, 3.6e-3), (0.028, 3.5e-3), (0.032, 3.7e-3))  # at which all lengths bend alike
@@ -86,3 +92,30 @@ def test_a_superelastic_loop_is_told_as_a_moment_that_softens_and_rubs_between_t
     assert "in a loop to 3.7 mm and back at X2 = 32 mm" in told.words
     assert told.energy_uj == pytest.approx(1e6 * work_of_a_loop(world, 3.7e-3, 0.032), rel=0.25)
     assert answer.comparison.with_effects.held_out < 0.4 * answer.comparison.refitted.held_out
+
+
+def test_without_a_clock_nothing_is_claimed_of_speed_and_the_rest_is_said():
+    runs = [replace(run, time=None) for run in recorded(World(wear=0.02))]
+    told = diagnose_joint(CONFIG, runs, most_effects=1).unnamed
+    assert (told.stages, told.memory, told.rate) == (("drive",), True, None)
+    assert "whether speed or time matters, as there is no time_s" in told.words
+    assert "the path that the stroke has travelled" in told.words
+    assert "speed does not matter" not in told.words
+
+
+def test_what_a_recording_cannot_hold_is_listed():
+    law = UnnamedLaw("structure", "curvature", "friction", 1e-4, 0.0, 40.0, (0.5,))
+    (run,) = recorded(World(), plans=((0.035, 3.8e-3, 1.0),))
+    names = ("line", "time", "stroke", "response", "bending_length")
+    up = replace(run, **{name: getattr(run, name)[:40] for name in names})
+    for runs, clauses in (
+        ([run], ("speed matters, as the drive has one rate", "one bending length", "there is one run")),
+        ([replace(run, time=None)], ("there is no time_s", "one bending length", "there is one run")),
+        ([up], ("there is no release", "one rate and no hold", "one bending length", "there is one run")),
+    ):
+        problem = problem_of(runs)
+        known = known_of(problem, fit(problem, (law,), steps=0), None)
+        assert len(known.open) == len(clauses)
+        assert all(clause in said for clause, said in zip(clauses, known.open, strict=True))
+        assert known.memory == ("release" not in " ".join(known.open))
+        assert not known.rate
