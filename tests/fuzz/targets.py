@@ -235,6 +235,10 @@ def _model_seeds() -> list[bytes]:
     for effect, parameters in correction_parameters(CATALOGUE).items():
         middle = {name: 0.5 * (low + high) for name, (low, high) in parameters.items()}
         tables[effect] = tomli_w.dumps({"corrections": {effect: middle}})
+    tables["unnamed_1"] = (
+        '[corrections.unnamed_1]\nstage = "structure"\nvariable = "curvature"\nmemory = "friction"\n'
+        "setting = 1e-4\nlow = 0.0\nhigh = 60.0\nweights = [1.5, 0.2]\n"
+    )
     single = [f"{text}\n{table}" for table in tables.values()]
     return [part.encode() for part in (text, *single, "\n".join([text, *tables.values()]))]
 
