@@ -65,10 +65,10 @@ class BadInput(CoastError):
 
     def _sentence(self) -> str:
         place = ":".join(str(part) for part in (self.file, self.line, self.column) if part is not None)
-        key = None if self.key is None else _shortened(self.key, _LONGEST_KEY)
+        key = None if self.key is None else shortened(self.key, _LONGEST_KEY)
         head = ": ".join(part for part in (place, key, self.message) if part)
         if self.found is not None:
-            head += f"; found {_shown(self.found)}"
+            head += f"; found {shown(self.found)}"
         if self.allowed is not None:
             head += f"; allowed: {self.allowed}"
         head += "."
@@ -93,9 +93,11 @@ def nearest(name: str, known: Iterable[str]) -> str:
     return f"Did you mean {' or '.join(matches)}?" if matches else ""
 
 
-def _shown(value: object, limit: int = 60) -> str:
-    return _shortened(repr(value) if isinstance(value, str) else str(value), limit)
+def shown(value: object, limit: int = 60) -> str:
+    """Return a value as a sentence shows it, a text in quotes, cut after so many characters."""
+    return shortened(repr(value) if isinstance(value, str) else str(value), limit)
 
 
-def _shortened(text: str, limit: int) -> str:
+def shortened(text: str, limit: int) -> str:
+    """Return a text, cut after so many characters."""
     return text if len(text) <= limit else text[: limit - 3] + "..."

@@ -28,6 +28,7 @@ from coast_cli.effects.stages import (
     OnStructure,
     OnTransmission,
 )
+from coast_cli.errors import shortened, shown
 from coast_cli.mechanics.joint import Joint
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.units import MILLIMETRE
@@ -72,7 +73,7 @@ class DamagedLaw(ValueError):
     """A model file's table that holds no law: ``key`` is what is wrong in it."""
 
     def __init__(self, key: str, why: str) -> None:
-        super().__init__(f"{key} {why}")
+        super().__init__(f"{shortened(key, 60)} {why}")
         self.key = key
 
 
@@ -201,10 +202,10 @@ class UnnamedLaw(OnDrive, OnStretch, OnSlack, OnTransmission, OnStructure, OnDra
                 raise DamagedLaw(name, "is missing")
         for name, choices in wanted.items():
             if table[name] not in get_args(choices):
-                raise DamagedLaw(name, f"is {table[name]!r}; allowed: {', '.join(get_args(choices))}")
+                raise DamagedLaw(name, f"is {shown(table[name])}; allowed: {', '.join(get_args(choices))}")
         for name in ("setting", "low", "high"):
             if not _is_number(table[name]):
-                raise DamagedLaw(name, f"is {table[name]!r}; allowed: a finite number")
+                raise DamagedLaw(name, f"is {shown(table[name])}; allowed: a finite number")
         weights = table["weights"]
         if not isinstance(weights, list | tuple) or not 1 <= len(weights) <= _MOST_WEIGHTS:
             raise DamagedLaw("weights", f"is not a list of 1 to {_MOST_WEIGHTS} numbers")
