@@ -32,6 +32,7 @@ def check(
     is then 3 for a wrong input, or 4 where a solver did not converge.
     """
     from coast_cli.design.checks import check_design, limits_told, refused
+    from coast_cli.design.loading import acting_on_load
     from coast_cli.errors import BadInput, NotConverged
     from coast_cli.output.answer import Answer
     from coast_cli.output.provenance import provenance
@@ -54,6 +55,7 @@ def check(
         rows += found
         codes.add(0 if all(row["passed"] for row in found) else 1)
         notes += [*design.notes, *design.uncorrected_joint, *limits_told(document)]
+        notes += acting_on_load(design.effects)[1]
     origin = provenance(*documents, options=None if pair is None else {"pair": pair})
     write_answer(Answer("check", rows, origin, tuple(notes)), format, output or (), formats=FORMATS)
     return BadInput.exit_code if BadInput.exit_code in codes else max(codes)

@@ -9,6 +9,7 @@ import numpy as np
 from coast_cli.design.drive_history import drive_along
 from coast_cli.effects.effect import Effect, acting
 from coast_cli.effects.stages import OnSlack
+from coast_cli.effects.unnamed import UnnamedLaw
 from coast_cli.errors import UsageError
 from coast_cli.mechanics.joint import Joint, StrokeSolution
 from coast_cli.mechanics.section import FloatArray
@@ -28,7 +29,7 @@ def released_stroke(
     """
     if joint.tendon is None:
         raise UsageError("branch release: a stroke needs a [tendon] table.")
-    if not any(effect.reverses or acting([effect], OnSlack) or "release" in effect.needs for effect in effects):
+    if not any(_remembers(effect) for effect in effects):
         raise UsageError(
             "branch release: there is no such branch: the model releases as it loads, as no correction of friction or play "
             "remembers; a diagnosed model has them."
@@ -41,3 +42,10 @@ def released_stroke(
         stroke[rows], tension[rows] = driven.stroke[place], driven.tension[place]
         strain[rows] = driven.stretch[place] / joint.tendon.length
     return StrokeSolution(curvature, stroke, tension, strain, Verdict(converged=True))
+
+
+def _remembers(effect: Effect) -> bool:
+    """Return whether an effect lets load and release differ."""
+    if isinstance(effect, UnnamedLaw) and effect.memory != "none":
+        return True
+    return effect.reverses or bool(acting([effect], OnSlack)) or "release" in effect.needs

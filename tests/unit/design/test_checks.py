@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from coast_cli.__main__ import main
 from coast_cli.design.checks import check_design, jump_told, limits_told
 from coast_cli.design.limits import at_the_point
 from coast_cli.design.snapping import snap_rows
@@ -126,11 +127,18 @@ def test_where_the_fatigue_limit_comes_from_is_said(reference_text):
 def test_a_stroke_past_fatigue_or_near_closing_is_told(reference_text):
     config = load_config_text(reference_text + "fatigue = {}\nmin_closure_margin = 20.0\n")
     joint = build(config).joint()
-    _, told = stroke_table(joint, [0.04], curvatures=[10.0, 80.0], checks=config.checks)
+    told = stroke_table(joint, [0.04], curvatures=[10.0, 80.0], checks=config.checks).notes
     assert any("80 1/m" in note and "(checks.fatigue)" in note for note in told)
     assert any("80 1/m" in note and "(checks.min_closure_margin)" in note for note in told)
-    _, told = stroke_table(joint, [0.04], curvatures=[10.0], checks=config.checks)
+    told = stroke_table(joint, [0.04], curvatures=[10.0], checks=config.checks).notes
     assert not any("checks." in note for note in told)
+
+
+def test_a_check_tells_what_of_a_model_it_leaves_out(reference_text, tmp_path, capsys):
+    file = tmp_path / "creeps.toml"
+    file.write_text(reference_text + "[corrections.tendon_creep]\nfraction = 0.2\n", encoding="utf-8")
+    assert main(["check", str(file)]) == 0
+    assert "tendon_creep: acts with time, so left out of a slow first pull" in capsys.readouterr().err
 
 
 def test_a_pair_that_would_jump_is_told(reference_text):

@@ -16,6 +16,17 @@ CURVATURES, LENGTHS = (40.0, 5.0, 10.0, 20.0, 30.0), (0.02, 0.04)
 MEMORIES = {
     "play": {"backlash": {"width_mm": 0.2}},
     "capstan": {"capstan_hysteresis": {"pulley_friction": 0.1, "spread": 0.0}},
+    "play without a name": {
+        "unnamed_1": {
+            "stage": "drive",
+            "variable": "stroke",
+            "memory": "friction",
+            "setting": 0.0,
+            "low": 0.0,
+            "high": 5e-3,
+            "weights": [0.1],
+        }
+    },
     "friction": {"coulomb_friction": {"holds_per_m": 2.0, "spread": 0.0}},
 }
 
