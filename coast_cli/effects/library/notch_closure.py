@@ -33,7 +33,7 @@ class NotchClosure(OnStructure):
             "1 by geometry; burrs close early",
             "closure",
             role="shape",
-            expected=(0.95, 0.12),  # a laser cuts to a few per cent
+            expected=(0.95, 0.22),  # burrs, round corners and a camera that sees several notches: 0.6 to 1.5 are 95 %
             logarithmic=True,
         ),
         Parameter("added_stiffness", 0.0, 0.0, 200.0, (2.0, 20.0), "the closed strip is a full ring in compression"),
