@@ -11,7 +11,7 @@ from coast_cli.cli.options import FormatOption, OutputOption
 from coast_cli.cli.paths import READS, Writes
 
 if TYPE_CHECKING:
-    from coast_cli.recordings.trace_sequence import Frame
+    from coast_cli.recordings.trace_sequence import PictureFrame
 
 ImagesArgument = Annotated[
     list[Path], typer.Argument(metavar="IMAGE...", help="photographs of one tube, in order", show_default=False), READS
@@ -118,7 +118,7 @@ def _overlay_paths(overlay: Path, images: list[Path]) -> list[Path]:
     return paths
 
 
-def _draw(frame: Frame, stream: IO[bytes]) -> None:
+def _draw(frame: PictureFrame, stream: IO[bytes]) -> None:
     from coast_cli.recordings.trace_overlay import overlay_png
 
     stream.write(overlay_png(frame.path, frame.trace, frame.caption))

@@ -26,7 +26,7 @@ from coast_cli.design.front import Front
 from coast_cli.design.rank import Ranking, Rigidity, rank
 from coast_cli.design.references import objective_scores
 from coast_cli.design.space import KEYS
-from coast_cli.design.work import in_order
+from coast_cli.design.work import results_in_order
 from coast_cli.rows import Drawn, Rows
 from coast_cli.spec.config import Config
 
@@ -108,7 +108,7 @@ def explore(
     blocks, front, counts = tasks(text, config.source, chunk, every=every), Front(), dict.fromkeys(_COUNTS, 0)
     if beginning.blocks:
         front, counts = _restored(beginning.state)
-    for block in in_order(*executor, explore_block, blocks[beginning.blocks :]):
+    for block in results_in_order(*executor, explore_block, blocks[beginning.blocks :]):
         _count(block, counts)
         front.add(block.costs, block.front)
         if save is not None:

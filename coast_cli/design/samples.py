@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from coast_cli.design.figures import FIGURES, pair_columns
 from coast_cli.design.limits import Limit, assembles, at_the_point, limits, point_figure_names
 from coast_cli.design.variation import Variation, variation
-from coast_cli.design.work import in_order
+from coast_cli.design.work import results_in_order
 from coast_cli.mechanics.pairs import bent, listed_pairs
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.mechanics.tube import NotchedTube
@@ -49,7 +49,7 @@ class Made:
 
 
 @dataclass(frozen=True)
-class Task:
+class SampleTask:
     """One block of samples: of which design and pair, with which seed, the first of them and how many."""
 
     design: Design
@@ -88,9 +88,10 @@ def sampled(
     step = samples_in_block(design.tube(name) for name in pair)
     compiled = samples * sum(design.tube(name).count for name in pair) >= WORTH_COMPILING
     tasks = (
-        Task(design, pair, seed, first, min(step, samples - first), compiled) for first in range(done, samples, step)
+        SampleTask(design, pair, seed, first, min(step, samples - first), compiled)
+        for first in range(done, samples, step)
     )
-    for block in in_order(*executor, solve_block, tasks):
+    for block in results_in_order(*executor, solve_block, tasks):
         count = block["total_precurvature_rad"].size
         for name, values in block.items():
             columns[name][done : done + count] = values
@@ -99,7 +100,7 @@ def sampled(
     return Made(columns, limits(design.config))
 
 
-def solve_block(task: Task) -> Mapping[str, FloatArray]:
+def solve_block(task: SampleTask) -> Mapping[str, FloatArray]:
     """Return the figures of one block of samples."""
     design, (outer, middle) = task.design, (task.design.tube(name) for name in task.pair)
     varied = variation(design.config, (outer, middle))

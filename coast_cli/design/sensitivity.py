@@ -32,7 +32,7 @@ _CURVATURE, _BENDING_LENGTH = 40.0, 40e-3
 
 
 @dataclass(frozen=True, slots=True)
-class Input:
+class SensitivityInput:
     """An input: its field, the unit its change is counted in, and that unit in SI; 0 means per cent of the value."""
 
     name: str
@@ -46,26 +46,26 @@ class Input:
 
 
 TUBE_INPUTS = (
-    Input("outer_diameter", "outer_radius", "um", 0.5 * MICROMETRE),
-    Input("inner_diameter", "inner_radius", "um", 0.5 * MICROMETRE),
-    Input("depth", "depth", "um", MICROMETRE),
-    Input("cut", "cut", "um", MICROMETRE),
-    Input("uncut", "uncut", "um", MICROMETRE),
-    Input("youngs_modulus", "youngs_modulus", "GPa", GIGAPASCAL),
-    Input("density", "density", "%", 0.0),
-    Input("natural_curvature", "natural_curvature", "1/m", 1.0),
+    SensitivityInput("outer_diameter", "outer_radius", "um", 0.5 * MICROMETRE),
+    SensitivityInput("inner_diameter", "inner_radius", "um", 0.5 * MICROMETRE),
+    SensitivityInput("depth", "depth", "um", MICROMETRE),
+    SensitivityInput("cut", "cut", "um", MICROMETRE),
+    SensitivityInput("uncut", "uncut", "um", MICROMETRE),
+    SensitivityInput("youngs_modulus", "youngs_modulus", "GPa", GIGAPASCAL),
+    SensitivityInput("density", "density", "%", 0.0),
+    SensitivityInput("natural_curvature", "natural_curvature", "1/m", 1.0),
 )
 JOINT_INPUTS = (
-    Input("youngs_modulus", "youngs_modulus", "GPa", GIGAPASCAL),
-    Input("pulley_friction", "pulley_friction", "%", 0.0),
-    Input("wrap_angle", "wrap_angle", "%", 0.0),
-    Input("notch_friction", "notch_friction", "%", 0.0),
-    Input("deadband", "deadband", "um", MICROMETRE),
+    SensitivityInput("youngs_modulus", "youngs_modulus", "GPa", GIGAPASCAL),
+    SensitivityInput("pulley_friction", "pulley_friction", "%", 0.0),
+    SensitivityInput("wrap_angle", "wrap_angle", "%", 0.0),
+    SensitivityInput("notch_friction", "notch_friction", "%", 0.0),
+    SensitivityInput("deadband", "deadband", "um", MICROMETRE),
 )
 TENDON_INPUTS = (
-    Input("radius", "radius", "um", MICROMETRE),
-    Input("youngs_modulus", "youngs_modulus", "GPa", GIGAPASCAL),
-    Input("length", "length", "mm", MILLIMETRE),
+    SensitivityInput("radius", "radius", "um", MICROMETRE),
+    SensitivityInput("youngs_modulus", "youngs_modulus", "GPa", GIGAPASCAL),
+    SensitivityInput("length", "length", "mm", MILLIMETRE),
 )
 _PATTERN = ("cut", "uncut")
 
@@ -130,7 +130,9 @@ def _solved(tube: NotchedTube, gravity: float) -> BeamSolution:
     return solution
 
 
-def _row(subject: str, figure: str, unit: str, value: float | None, of: str, by: Input, change: float) -> Row:
+def _row(
+    subject: str, figure: str, unit: str, value: float | None, of: str, by: SensitivityInput, change: float
+) -> Row:
     return {
         "subject": subject,
         "figure": figure,
@@ -190,7 +192,7 @@ def _stroke_rows(joint: Joint) -> Iterator[Row]:
             yield _row(_pair_name(joint), "stroke", "mm", float(np.real(value)), of, by, change)
 
 
-def _stepped_joints(joint: Joint) -> Iterator[tuple[str, Input, Joint]]:
+def _stepped_joints(joint: Joint) -> Iterator[tuple[str, SensitivityInput, Joint]]:
     for by in JOINT_INPUTS:
         yield "joint", by, _stepped(joint, by.field, by.step(getattr(joint, by.field)))
     for by in TENDON_INPUTS:

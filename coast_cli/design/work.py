@@ -49,7 +49,7 @@ def workers(jobs: int, cluster: str | None) -> Iterator[tuple[Executor | None, i
         yield None, 1
 
 
-def in_order(
+def results_in_order(
     executor: Executor | None, window: int, function: Callable[[Task], Result], tasks: Iterable[Task]
 ) -> Iterator[Result]:
     """Yield the results of the tasks in their order, with at most ``window`` of them under way.

@@ -14,7 +14,7 @@ from coast_cli.errors import BadInput
 _FAR = 10.0  # times the notched length: no bending length or stroke comes near
 
 
-class Range(NamedTuple):
+class PlausibleRange(NamedTuple):
     """What a number may be, its unit, and the unit in which it was probably given."""
 
     low: float
@@ -23,16 +23,16 @@ class Range(NamedTuple):
     probably: str
 
 
-RADIUS = Range(0.0, 0.05, "m", "millimetres")
-LENGTH = Range(0.0, 1.0, "m", "millimetres")
-WIRE = Range(0.0, 100.0, "m", "millimetres")
-MODULUS = Range(1e6, 1e13, "Pa", "gigapascals")
-DENSITY = Range(100.0, 30_000.0, "kg/m^3", "g/cm^3")
-CURVATURE = Range(-1e3, 1e3, "1/m", "1/mm, or a radius")
-SEGMENT = Range(0.0, 2.0, "m", "millimetres")  # a bend that nothing says the tubes of
+RADIUS = PlausibleRange(0.0, 0.05, "m", "millimetres")
+LENGTH = PlausibleRange(0.0, 1.0, "m", "millimetres")
+WIRE = PlausibleRange(0.0, 100.0, "m", "millimetres")
+MODULUS = PlausibleRange(1e6, 1e13, "Pa", "gigapascals")
+DENSITY = PlausibleRange(100.0, 30_000.0, "kg/m^3", "g/cm^3")
+CURVATURE = PlausibleRange(-1e3, 1e3, "1/m", "1/mm, or a radius")
+SEGMENT = PlausibleRange(0.0, 2.0, "m", "millimetres")  # a bend that nothing says the tubes of
 
 
-def require(within: Range, **given: Any) -> None:  # noqa: ANN401
+def require(within: PlausibleRange, **given: Any) -> None:  # noqa: ANN401
     """Refuse numbers or arrays, by name, that lie outside a range; what is not a number (NaN) is left to others.
 
     Raises:
@@ -58,4 +58,4 @@ def require_of_tubes(joint: Any, **lengths: Any) -> None:  # noqa: ANN401  # one
     middle = getattr(joint, "middle", None)
     if middle is not None:
         for name, values in lengths.items():
-            require(Range(-np.inf, _FAR * float(np.real(middle.length)), "m", "millimetres"), **{name: values})
+            require(PlausibleRange(-np.inf, _FAR * float(np.real(middle.length)), "m", "millimetres"), **{name: values})

@@ -100,9 +100,9 @@ def write_diagnosis(answer: DiagnosisAnswer, outputs: Outputs) -> None:
 
         contents[outputs.plot] = plot_diagnosis(answer.diagnosis).render(outputs.plot.suffix.lower().removeprefix("."))
     if outputs.report is not None:
-        from coast_cli.output.diagnosis_report import report
+        from coast_cli.output.diagnosis_report import report_page
 
-        contents[outputs.report] = report(answer).encode()
+        contents[outputs.report] = report_page(answer).encode()
     write_files({path: partial(_put, content) for path, content in contents.items()}, binary=True)
     if not outputs.quiet:
         shown = outputs.format or "table"

@@ -25,9 +25,9 @@ from coast_cli.output.diagnosis_words import (
     place,
     sentence,
     shared_rows,
-    tip,
+    tip_words,
     told,
-    unit_of,
+    unit_words,
 )
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ def render(answer: DiagnosisAnswer, stream: IO[str], *, width: int | None = None
     carried = answer.diagnosis.carried
     if carried is not None:
         page.heading("The shapes of the same call")
-        page.say(carried_over(carried, unit_of(answer.diagnosis)))
+        page.say(carried_over(carried, unit_words(answer.diagnosis)))
         if carried.shared:
             page.table(SHARED_COLUMNS, shared_rows(carried))
         page.heading("")
@@ -171,6 +171,6 @@ def _fit(page: _Page, found: Diagnosis) -> None:
         return
     if found.effects or found.verdict == "unnamed":
         page.say(gained(fit))
-    page.table((f"RMS error ({unit_of(found)})", "train", "held out", "over noise"), levels(found))
-    page.say(tip(found))
+    page.table((f"RMS error ({unit_words(found)})", "train", "held out", "over noise"), levels(found))
+    page.say(tip_words(found))
     page.say(held_out(fit))

@@ -24,11 +24,11 @@ from coast_cli.output.diagnosis_words import (
     place,
     sentence,
     shared_rows,
-    tip,
+    tip_words,
     told,
-    unit_of,
+    unit_words,
 )
-from coast_cli.output.html import Column, Row, bullets, figure, footer, page, paragraph, section, table
+from coast_cli.output.html import HtmlColumn, Row, bullets, figure, footer, page, paragraph, section, table
 
 if TYPE_CHECKING:
     from coast_cli.diagnosis.answer import Diagnosis
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from coast_cli.output.diagnosis import DiagnosisAnswer
 
 
-def report(answer: DiagnosisAnswer) -> str:
+def report_page(answer: DiagnosisAnswer) -> str:
     """Return the page."""
     found = answer.diagnosis
     return page(
@@ -111,15 +111,17 @@ def _fit(found: Diagnosis) -> str:
     if fit is None:
         return paragraph("Nothing was fitted.")
     said = paragraph(gained(fit)) if found.effects or found.verdict == "unnamed" else ""
-    errors = _table((f"RMS error ({unit_of(found)})", "train", "held out", "over noise"), levels(found))
-    return said + errors + paragraph(tip(found)) + paragraph(held_out(fit))
+    errors = _table((f"RMS error ({unit_words(found)})", "train", "held out", "over noise"), levels(found))
+    return said + errors + paragraph(tip_words(found)) + paragraph(held_out(fit))
 
 
 def _shared(found: Diagnosis) -> str:
     if found.carried is None:
         return ""
     shapes = found.carried.shapes
-    said = paragraph(f"The shapes: {sentence(HEADLINES[shapes.verdict])} {carried_over(found.carried, unit_of(found))}")
+    said = paragraph(
+        f"The shapes: {sentence(HEADLINES[shapes.verdict])} {carried_over(found.carried, unit_words(found))}"
+    )
     rows = shared_rows(found.carried)
     return said + (_table(SHARED_COLUMNS, rows) if rows else "") + (_what(shapes) if shapes.effects else "")
 
@@ -132,5 +134,5 @@ def _picture(answer: DiagnosisAnswer) -> str:
 
 
 def _table(names: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    columns = [Column(name, holds="text" if number == 0 else "number") for number, name in enumerate(names)]
+    columns = [HtmlColumn(name, holds="text" if number == 0 else "number") for number, name in enumerate(names)]
     return table(columns, [Row(row) for row in rows])

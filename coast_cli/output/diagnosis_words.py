@@ -40,7 +40,7 @@ AXES = {
 }
 
 
-def unit_of(diagnosis: Diagnosis) -> str:
+def unit_words(diagnosis: Diagnosis) -> str:
     """Return the unit of the response as people write it."""
     return UNITS.get(diagnosis.noise_unit, diagnosis.noise_unit)
 
@@ -77,21 +77,21 @@ def measured(value: Value) -> str:
     return f"{value.value:.{digits}f} +- {value.std:.{digits}f}"
 
 
-def figure(value: float | None) -> str:
+def rounded(value: float | None) -> str:
     """Return an error with three digits, or a dash."""
     return "-" if value is None or not isfinite(value) else f"{value:.3g}"
 
 
 def mismatch(found: Diagnosis) -> str:
     """Return the first answer: the base model's error beside the noise."""
-    unit, fit = unit_of(found), found.comparison
+    unit, fit = unit_words(found), found.comparison
     if fit is None:
-        return f"Not decided; the noise of the recording is {figure(found.noise)} {unit}."
+        return f"Not decided; the noise of the recording is {rounded(found.noise)} {unit}."
     agrees = found.verdict in {"agrees", "parameters"}
     level, words = (fit.configured, "as configured") if found.verdict == "agrees" else (fit.refitted, "refitted")
     return (
-        f"{'No' if agrees else 'Yes'}: the base model {words} is off by {figure(judged(level))} {unit} RMS, "
-        f"the noise is {figure(found.noise)} {unit}."
+        f"{'No' if agrees else 'Yes'}: the base model {words} is off by {rounded(judged(level))} {unit} RMS, "
+        f"the noise is {rounded(found.noise)} {unit}."
     )
 
 
@@ -105,10 +105,10 @@ def levels(found: Diagnosis) -> list[tuple[str, str, str, str]]:
         words = "with effects" if found.effects else "with the law" if found.verdict == "unnamed" else "closest effects"
         models.append((words, fit.with_effects))
     rows = [
-        (words, figure(level.train), figure(level.held_out), _in_noise(judged(level), found.noise))
+        (words, rounded(level.train), rounded(level.held_out), _in_noise(judged(level), found.noise))
         for words, level in models
     ]
-    return [*rows, ("noise", figure(found.noise), "", "")]
+    return [*rows, ("noise", rounded(found.noise), "", "")]
 
 
 def _in_noise(error: float, noise: float) -> str:
@@ -125,7 +125,7 @@ def gained(fit: SideBySide) -> str:
     before, after = judged(fit.refitted), judged(fit.with_effects)
     where = "fitted rows only, no proof" if fit.with_effects.held_out is None else "held out"
     if after >= before or before <= 0.0:
-        return f"No: {figure(after)} against {figure(before)} of the refitted base ({where})."
+        return f"No: {rounded(after)} against {rounded(before)} of the refitted base ({where})."
     return f"Yes: {100.0 * (1.0 - after / before):.0f} % less error than the refitted base ({where})."
 
 
@@ -165,13 +165,13 @@ def named(effect: Named) -> str:
     return f"{effect.id}: {effect.title} ({effect.component}; {effect.kind}), confidence {sure}"
 
 
-def tip(found: Diagnosis) -> str:
+def tip_words(found: Diagnosis) -> str:
     """Return the errors at the tip, as a sentence."""
     fit = found.comparison
     if fit is None:
         return ""
-    with_effects = f", {figure(fit.tip_mm_with_effects)} mm with effects" if found.effects else ""
-    return f"Tip: {figure(fit.tip_mm_refitted)} mm refitted{with_effects}."
+    with_effects = f", {rounded(fit.tip_mm_with_effects)} mm with effects" if found.effects else ""
+    return f"Tip: {rounded(fit.tip_mm_refitted)} mm refitted{with_effects}."
 
 
 def nowhere(found: Diagnosis) -> str:
@@ -212,7 +212,7 @@ def carried_over(carried: Carried, unit: str) -> str:
 
 
 def _on_rows(level: Level) -> str:
-    return figure(level.train) if level.held_out is None else f"{figure(level.train)} / {figure(level.held_out)}"
+    return rounded(level.train) if level.held_out is None else f"{rounded(level.train)} / {rounded(level.held_out)}"
 
 
 def shared_rows(carried: Carried) -> list[tuple[str, str, str, str, str]]:

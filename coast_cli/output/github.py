@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import IO
 
 from coast_cli.output.answer import Answer
-from coast_cli.output.junit import failed, sentence
+from coast_cli.output.junit import failed, reason_of
 
 
 def render(answer: Answer, stream: IO[str]) -> None:
@@ -14,7 +14,7 @@ def render(answer: Answer, stream: IO[str]) -> None:
     wrong = [row for row in answer.rows if failed(row)]
     for row in wrong:
         place = f"file={_property(str(row['config']))},line={row['line'] or 1},title={title}"
-        stream.write(f"::error {place}::{_data(sentence(row))}\n")
+        stream.write(f"::error {place}::{_data(reason_of(row))}\n")
     if not wrong:
         held = "limits hold" if answer.command == "check" else "configurations can be used"
         stream.write(f"::notice title={title}::{len(answer.rows)} {held}\n")

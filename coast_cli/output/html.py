@@ -71,7 +71,7 @@ _LONG = 60  # characters, with what marks them
 _CODE = re.compile(r"`([^`]+)`")
 
 
-class Column(NamedTuple):
+class HtmlColumn(NamedTuple):
     """The head of a column, its unit on a line of its own, and what it holds.
 
     A number stands right; a ``text`` stands left and may go on in a next line, a ``key`` (a name) only if it is long.
@@ -152,12 +152,12 @@ def bullets(texts: Iterable[str]) -> str:
     return f"<ul>\n{items}\n</ul>" if items else ""
 
 
-def table(columns: Sequence[Column], rows: Iterable[Row]) -> str:
+def table(columns: Sequence[HtmlColumn], rows: Iterable[Row]) -> str:
     """Return a table; a head is printed again on every page."""
     return grouped(columns, [Group("", list(rows))])
 
 
-def grouped(columns: Sequence[Column], groups: Iterable[Group]) -> str:
+def grouped(columns: Sequence[HtmlColumn], groups: Iterable[Group]) -> str:
     """Return a table in parts, each under its heading."""
     head = "".join(f"<th{_side(column)}>{_head(column)}</th>" for column in columns)
     bodies = "\n".join(f"<tbody>\n{_group(columns, group)}\n</tbody>" for group in groups)
@@ -190,12 +190,12 @@ def _option(value: Any) -> str:  # noqa: ANN401
     return ", ".join(map(str, value)) if isinstance(value, list | tuple) else str(value)
 
 
-def _head(column: Column) -> str:
+def _head(column: HtmlColumn) -> str:
     unit = f'<br><span class="unit">{escape(column.unit)}</span>' if column.unit else ""
     return escape(column.name) + unit
 
 
-def _group(columns: Sequence[Column], group: Group) -> str:
+def _group(columns: Sequence[HtmlColumn], group: Group) -> str:
     lines = []
     if group.heading:
         said = f"<small>{escape(group.said)}</small>" if group.said else ""
@@ -210,7 +210,7 @@ def _group(columns: Sequence[Column], group: Group) -> str:
     return "\n".join(lines)
 
 
-def _side(column: Column, cell: str = "") -> str:
+def _side(column: HtmlColumn, cell: str = "") -> str:
     """Return the class of a cell; a word that is too long for its line may be broken."""
     kind = "text" if column.holds == "key" and len(cell) > _LONG else column.holds
     return "" if kind == "number" else f' class="{kind}"'

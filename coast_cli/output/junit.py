@@ -24,10 +24,10 @@ def render(answer: Answer, stream: IO[str]) -> None:
             name = f"{row['pair']} {row['check']} {row['bound']}" if "check" in row and not broken else "configuration"
             case = ET.SubElement(suite, "testcase", {"classname": str(config), "name": name, "time": "0"})
             if broken:
-                ET.SubElement(case, "error", {"message": sentence(row), "type": "configuration"}).text = sentence(row)
+                ET.SubElement(case, "error", {"message": reason_of(row), "type": "configuration"}).text = reason_of(row)
             elif failed(row):
-                failure = ET.SubElement(case, "failure", {"message": sentence(row), "type": "limit"})
-                failure.text = f"{row['config']}:{row['line']}: {sentence(row)}"
+                failure = ET.SubElement(case, "failure", {"message": reason_of(row), "type": "limit"})
+                failure.text = f"{row['config']}:{row['line']}: {reason_of(row)}"
     ET.indent(root)
     stream.write('<?xml version="1.0" encoding="UTF-8"?>\n')
     stream.write(ET.tostring(root, encoding="unicode") + "\n")
@@ -43,7 +43,7 @@ def failed(row: Row) -> bool:
     return not row["passed" if "passed" in row else "valid"]
 
 
-def sentence(row: Row) -> str:
+def reason_of(row: Row) -> str:
     """Return what a row says."""
     if fault(row):
         return fault(row)

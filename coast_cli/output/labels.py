@@ -47,7 +47,7 @@ LABELS = {
 }
 
 
-def written(values: Sequence[float | None], digits: int = 4) -> list[str]:
+def label_text(values: Sequence[float | None], digits: int = 4) -> list[str]:
     """Return a column of numbers with as many decimals each as give the largest so many digits; None is a dash."""
     largest = max((abs(value) for value in values if value is not None and isfinite(value)), default=0.0)
     decimals = min(max(digits - 1 - floor(log10(largest)), 0), 9) if largest > 0.0 else 0
@@ -60,4 +60,4 @@ def written(values: Sequence[float | None], digits: int = 4) -> list[str]:
 def column(name: str, values: Sequence[float | None], digits: int = 4) -> list[str]:
     """Return a named column in the unit of its label, written."""
     scale = LABELS[name].scale
-    return written([None if value is None else float(value) * scale for value in values], digits)
+    return label_text([None if value is None else float(value) * scale for value in values], digits)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import IO
 
 from coast_cli.output.answer import Answer
-from coast_cli.output.markdown import cell, shown_names
+from coast_cli.output.markdown import markdown_cell, shown_names
 
 _MARKS = {
     "\\": r"\textbackslash{}",
@@ -25,7 +25,7 @@ def render(answer: Answer, stream: IO[str]) -> None:
     columns = "".join("r" if any(isinstance(row[name], int | float) for row in answer.rows) else "l" for name in names)
     stream.write(f"\\begin{{tabular}}{{{columns}}}\n\\hline\n{' & '.join(map(_escaped, names))} \\\\\n\\hline\n")
     for row in answer.rows:
-        stream.write(f"{' & '.join(_escaped(cell(row[name])) for name in names)} \\\\\n")
+        stream.write(f"{' & '.join(_escaped(markdown_cell(row[name])) for name in names)} \\\\\n")
     stream.write("\\hline\n\\end{tabular}\n")
 
 

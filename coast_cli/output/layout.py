@@ -13,7 +13,7 @@ _LONGEST_WORD = 30  # that is not broken, as the names of effects and of figures
 
 
 @dataclass(frozen=True)
-class Column:
+class LaidColumn:
     """A column of a table: its name, the lines of its heading, its cells as texts, and on which side they stand."""
 
     name: str
@@ -35,7 +35,7 @@ class Column:
         return max(_NARROWEST_TEXT, min(longest, _LONGEST_WORD), *map(len, self.heading))
 
 
-def choose(columns: Sequence[Column], order: Sequence[str], width: int) -> list[Column]:
+def choose(columns: Sequence[LaidColumn], order: Sequence[str], width: int) -> list[LaidColumn]:
     """Return the columns that fit side by side, in their own order: the most important first, as ``order`` has them."""
     ranked = sorted(columns, key=lambda column: order.index(column.name) if column.name in order else len(order))
     taken, room = set[str](), width + GAP
@@ -46,7 +46,7 @@ def choose(columns: Sequence[Column], order: Sequence[str], width: int) -> list[
     return [column for column in columns if column.name in taken]
 
 
-def widths(columns: Sequence[Column], width: int | None) -> list[int]:
+def widths(columns: Sequence[LaidColumn], width: int | None) -> list[int]:
     """Return the width of each column; what is left of ``width`` goes to folded ones, from the left."""
     if width is None:
         return [column.width for column in columns]
@@ -59,7 +59,7 @@ def widths(columns: Sequence[Column], width: int | None) -> list[int]:
     return found
 
 
-def fits(columns: Sequence[Column], width: int) -> bool:
+def fits(columns: Sequence[LaidColumn], width: int) -> bool:
     """Say whether columns stand side by side in a width."""
     return sum(column.least for column in columns) + GAP * (len(columns) - 1) <= width
 

@@ -16,7 +16,7 @@ def render(answer: Answer, stream: IO[str]) -> None:
     stream.write(f"| {' | '.join(_escaped(name) for name in names)} |\n")
     stream.write(f"|{'|'.join('---:' if one else '---' for one in right)}|\n")
     for row in answer.rows:
-        stream.write(f"| {' | '.join(_escaped(cell(row[name])) for name in names)} |\n")
+        stream.write(f"| {' | '.join(_escaped(markdown_cell(row[name])) for name in names)} |\n")
 
 
 def shown_names(answer: Answer) -> list[str]:
@@ -24,7 +24,7 @@ def shown_names(answer: Answer) -> list[str]:
     return [name for name in next(iter(answer.rows), {}) if any(row[name] is not None for row in answer.rows)]
 
 
-def cell(value: Cell) -> str:
+def markdown_cell(value: Cell) -> str:
     """Return a value as it is printed in a page: yes or no, five digits, a dash for none."""
     if value is None:
         return "-"

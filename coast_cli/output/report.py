@@ -26,7 +26,7 @@ from coast_cli.output.report_design import (
     strokes_section,
     tolerance_section,
 )
-from coast_cli.output.report_first import drawn, first_sheet
+from coast_cli.output.report_first import drawn_design, first_sheet
 from coast_cli.output.report_inputs import inputs_section
 from coast_cli.spec.build import build
 
@@ -78,7 +78,7 @@ def report(
         require_printer(path)
     design = build(config)
     if suffix == ".svg":
-        drawing = drawing_alone(*drawn(design, pair))
+        drawing = drawing_alone(*drawn_design(design, pair))
         write_files({path: lambda stream: stream.write(drawing)})
         return
     found = contents(design, Wanted(pair, curvatures, bending_lengths, samples, seed, hold_out), recordings)

@@ -10,8 +10,8 @@ from coast_cli.design.tolerance import MOST_RANKED
 from coast_cli.output.design_plot import plot_pairs, plot_shapes, plot_strokes, plot_tolerance
 from coast_cli.output.diagnosis_words import sentence
 from coast_cli.output.html import (
-    Column,
     Group,
+    HtmlColumn,
     Markup,
     Row,
     bullets,
@@ -53,12 +53,12 @@ def ranking_section(ranking: Ranking, options: RankOptions, pair: str) -> str:
     names = [f"{outer}/{middle}" for outer, middle in zip(columns["outer"], columns["middle"], strict=True)]
     shown = [k for k in range(count) if k < _MOST_PAIRS or names[k] == pair]
     head = [
-        Column("rank"),
-        Column("sample", holds="key"),
-        Column("pair", holds="key"),
-        Column("front", holds="key"),
-        *(Column(LABELS[name].words, LABELS[name].unit) for name in _PAIR_FIGURES),
-        Column("leads", holds="key"),
+        HtmlColumn("rank"),
+        HtmlColumn("sample", holds="key"),
+        HtmlColumn("pair", holds="key"),
+        HtmlColumn("front", holds="key"),
+        *(HtmlColumn(LABELS[name].words, LABELS[name].unit) for name in _PAIR_FIGURES),
+        HtmlColumn("leads", holds="key"),
     ]
     rows = [
         Row(
@@ -96,7 +96,10 @@ def shapes_section(columns: Columns, notes: Sequence[str], pair: str) -> str:
     tubes, names = list(columns["tube"]), ("x_mm", "y_mm", "angle_deg")
     last = [k for k in range(len(tubes)) if k + 1 == len(tubes) or tubes[k + 1] != tubes[k]]
     ends = [column(name, [columns[name][k] for k in last]) for name in names]
-    head = [Column("tube", holds="key"), *(Column(f"tip {LABELS[name].words}", LABELS[name].unit) for name in names)]
+    head = [
+        HtmlColumn("tube", holds="key"),
+        *(HtmlColumn(f"tip {LABELS[name].words}", LABELS[name].unit) for name in names),
+    ]
     rows = [
         Row([tubes[k], *(values[place] for values in ends)], "chosen" if tubes[k] in pair.split("/") else "")
         for place, k in enumerate(last)
@@ -121,7 +124,7 @@ def strokes_section(columns: Columns, notes: Sequence[str]) -> str:
     said = "What bends the joint how far, with increasing stroke: on release the real joint lags, which this model leaves out."
     left = len(columns["curvature_per_m"]) - len(shown)
     more = [f"{left} more rows: `coast stroke` lists them all."] if left else []
-    head = [Column(LABELS[name].words, LABELS[name].unit) for name in names]
+    head = [HtmlColumn(LABELS[name].words, LABELS[name].unit) for name in names]
     words = f"Curvature over {'stroke' if tendon else 'tension'}, a line for each bending length X2"
     return joined(paragraph(said), figure(plot_strokes(columns), words), grouped(head, parts), _notes([*more, *notes]))
 
@@ -151,12 +154,12 @@ def checks_section(config: Config, rows: Sequence[Mapping[str, Any]]) -> str:
     held = sum(bool(row["passed"]) for row in rows)
     said = f"{held} of {len(rows)} limits hold for {rows[0]['pair']} as drawn."
     head = [
-        Column("check", holds="key"),
-        Column("meaning", holds="text"),
-        Column("bound", holds="key"),
-        Column("value"),
-        Column("limit"),
-        Column("result", holds="key"),
+        HtmlColumn("check", holds="key"),
+        HtmlColumn("meaning", holds="text"),
+        HtmlColumn("bound", holds="key"),
+        HtmlColumn("value"),
+        HtmlColumn("limit"),
+        HtmlColumn("result", holds="key"),
     ]
     lines = [
         Row(
@@ -185,10 +188,10 @@ def _meaning(config: Config, check: str) -> str:
 def _tolerances(config: Config) -> str:
     sources, limits = Sources(config), config.tolerances or Tolerances()
     head = [
-        Column("varies", holds="key"),
-        Column("±"),
-        Column("distribution", holds="key"),
-        Column("source", holds="text"),
+        HtmlColumn("varies", holds="key"),
+        HtmlColumn("±"),
+        HtmlColumn("distribution", holds="key"),
+        HtmlColumn("source", holds="text"),
     ]
     rows = []
     for name, field in Tolerances.model_fields.items():
@@ -202,8 +205,8 @@ def _tolerances(config: Config) -> str:
 
 def _distributions(rows: Sequence[Mapping[str, Any]]) -> str:
     names = ("nominal", "mean", "std", "low_90", "median", "high_90")
-    head = [Column("figure", holds="key"), Column("unit", holds="key")]
-    head += [Column(name) for name in ("as drawn", "mean", "std", "5 %", "median", "95 %")]
+    head = [HtmlColumn("figure", holds="key"), HtmlColumn("unit", holds="key")]
+    head += [HtmlColumn(name) for name in ("as drawn", "mean", "std", "5 %", "median", "95 %")]
     lines = []
     for row in rows:
         label = LABELS[row["name"]]
@@ -214,7 +217,7 @@ def _distributions(rows: Sequence[Mapping[str, Any]]) -> str:
 def _chances(rows: Sequence[Mapping[str, Any]], what: str, said: str) -> str:
     if not rows:
         return ""
-    head = [Column(what, holds="key"), Column("limit"), Column("chance"), Column("95 % interval")]
+    head = [HtmlColumn(what, holds="key"), HtmlColumn("limit"), HtmlColumn("chance"), HtmlColumn("95 % interval")]
     lines = []
     for row in rows:
         share, low, high = (100.0 * row[name] for name in ("probability", "probability_low", "probability_high"))
@@ -235,7 +238,7 @@ def _indices(rows: Sequence[Mapping[str, Any]]) -> str:
     total = {(row["input"], row["name"]): float(row["total_effect"]) for row in rows}
     inputs = list(dict.fromkeys(row["input"] for row in rows))
     inputs.sort(key=lambda name: -max(total.get((name, figure_), 0.0) for figure_ in figures))
-    head = [Column("input", holds="key"), *(Column(LABELS[name].words) for name in figures)]
+    head = [HtmlColumn("input", holds="key"), *(HtmlColumn(LABELS[name].words) for name in figures)]
     most = {one: max(share for (_, name), share in total.items() if name == one) for one in figures}
     lines = [Row([name, *(_share(total.get((name, one)), most[one]) for one in figures)]) for name in inputs]
     said = (

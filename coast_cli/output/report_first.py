@@ -8,7 +8,7 @@ from html import escape
 from coast_cli.mechanics.tube import NotchedTube
 from coast_cli.output.diagnosis_plot import plot_place
 from coast_cli.output.diagnosis_words import HEADLINES, named, percent
-from coast_cli.output.html import Column, Markup, Row, figure, joined, paragraph, section, side_by_side, table
+from coast_cli.output.html import HtmlColumn, Markup, Row, figure, joined, paragraph, section, side_by_side, table
 from coast_cli.output.labels import LABELS, column
 from coast_cli.output.pair_drawing import drawing
 from coast_cli.output.picture import can_draw
@@ -25,14 +25,14 @@ _GOOD = {"agrees": "good", "parameters": "good", "insufficient": "open"}
 def first_sheet(answer: DesignReport) -> str:
     """Return the sheet, without its title."""
     return joined(
-        drawing(*drawn(build(answer.config), answer.pair)),
+        drawing(*drawn_design(build(answer.config), answer.pair)),
         _summary(answer),
         side_by_side(_best(answer), _strokes(answer)),
         _place(answer),
     )
 
 
-def drawn(design: Design, pair: str | None) -> tuple[NotchedTube | None, NotchedTube, float | None]:
+def drawn_design(design: Design, pair: str | None) -> tuple[NotchedTube | None, NotchedTube, float | None]:
     """Return what a drawing shows: the tubes of a pair, or of the configuration's, and the tendon's radius, m.
 
     Raises:
@@ -59,7 +59,7 @@ def _summary(answer: DesignReport) -> str:
         said = HEADLINES[found.verdict] + (f" Named: {effects}." if effects else "")
         rows.append(("Recordings", _verdict(_GOOD.get(found.verdict, "bad"), said)))
     rows.append(("Inputs", said_of(inputs_of(answer.config))))
-    return table([Column("In short", holds="key"), Column("", holds="text")], [Row(row) for row in rows])
+    return table([HtmlColumn("In short", holds="key"), HtmlColumn("", holds="text")], [Row(row) for row in rows])
 
 
 def _checked(answer: DesignReport) -> list[tuple[str, str]]:
@@ -112,7 +112,11 @@ def _best(answer: DesignReport) -> str:
     shown = [k for k in range(len(names)) if k < _BEST or names[k] == answer.pair]
     figures = ("score", "total_precurvature_rad", "rigidity_ratio_mean")
     values = [column(name, [columns[name][k] for k in shown]) for name in figures]
-    head = [Column("rank"), Column("pair", holds="key"), *(Column(LABELS[n].words, LABELS[n].unit) for n in figures)]
+    head = [
+        HtmlColumn("rank"),
+        HtmlColumn("pair", holds="key"),
+        *(HtmlColumn(LABELS[n].words, LABELS[n].unit) for n in figures),
+    ]
     rows = [
         Row(
             [str(columns["rank"][k]), names[k], *(one[place] for one in values)],
@@ -138,7 +142,7 @@ def _strokes(answer: DesignReport) -> str:
         )
     }
     cells = [column(drive, [found.get((kappa, length)) for kappa in curvatures]) for length in lengths]
-    head = [Column("curvature", "1/m"), *(Column(f"{length:.6g} mm", LABELS[drive].unit) for length in lengths)]
+    head = [HtmlColumn("curvature", "1/m"), *(HtmlColumn(f"{length:.6g} mm", LABELS[drive].unit) for length in lengths)]
     rows = [Row([f"{kappa:.6g}", *(one[k] for one in cells)]) for k, kappa in enumerate(curvatures)]
     words = LABELS[drive].words
     return section(f"{words[:1].upper()}{words[1:]} at X2 of", table(head, rows), level=3)

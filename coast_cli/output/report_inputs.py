@@ -14,7 +14,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from coast_cli.output.html import Column, Group, Markup, Row, grouped, joined, paragraph, words
+from coast_cli.output.html import Group, HtmlColumn, Markup, Row, grouped, joined, paragraph, words
 from coast_cli.spec.config import Config, dotted
 from coast_cli.spec.positions import Path, line_comments
 from coast_cli.spec.tubes import Role, bench_tubes
@@ -112,10 +112,10 @@ def inputs_section(config: Config) -> str:
     for one in found:
         groups.setdefault(_table(one.path), []).append(one)
     columns = [
-        Column("input", holds="key"),
-        Column("value"),
-        Column("meaning", holds="text"),
-        Column("source", holds="text"),
+        HtmlColumn("input", holds="key"),
+        HtmlColumn("value"),
+        HtmlColumn("meaning", holds="text"),
+        HtmlColumn("source", holds="text"),
     ]
     parts = [
         Group(_title(path), _rows(config, path, rows), sources.of(path))

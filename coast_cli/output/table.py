@@ -13,7 +13,7 @@ from typing import IO
 
 from coast_cli.output.answer import Answer, Cell, Row
 from coast_cli.output.columns import IMPORTANT
-from coast_cli.output.layout import GAP, Column, choose, fits, fold, pad, widths
+from coast_cli.output.layout import GAP, LaidColumn, choose, fits, fold, pad, widths
 
 _MOST_ROWS = 10_000  # more than anyone reads
 _HEADING = 13  # characters of a line of a heading, where its words allow
@@ -43,7 +43,7 @@ def render(answer: Answer, stream: IO[str], *, width: int | None = None, chosen:
     _write(stream, _below(answer, len(rows), [one.name for one in columns if one not in shown], width))
 
 
-def _side_by_side(columns: Sequence[Column], width: int | None, rule: str) -> Iterator[str]:
+def _side_by_side(columns: Sequence[LaidColumn], width: int | None, rule: str) -> Iterator[str]:
     """Yield the lines of a table: headings that end on one line, a rule, the rows."""
     room = widths(columns, width)
     tallest = max(len(column.heading) for column in columns)
@@ -57,7 +57,7 @@ def _side_by_side(columns: Sequence[Column], width: int | None, rule: str) -> It
             yield _line(parts, columns, room)
 
 
-def _line(cells: Sequence[str], columns: Sequence[Column], room: Sequence[int]) -> str:
+def _line(cells: Sequence[str], columns: Sequence[LaidColumn], room: Sequence[int]) -> str:
     padded = [pad(c, size, to_right=one.to_right) for c, one, size in zip(cells, columns, room, strict=True)]
     return (" " * GAP).join(padded)
 
@@ -110,10 +110,10 @@ def _can_show(stream: IO[str], mark: str) -> bool:
     return True
 
 
-def _column(name: str, values: Sequence[Cell]) -> Column:
+def _column(name: str, values: Sequence[Cell]) -> LaidColumn:
     """Return a column; numbers and yes or no stand right."""
     to_right = any(isinstance(value, int | float) for value in values)
-    return Column(name, _heading(name), [_cell(value) for value in values], to_right)
+    return LaidColumn(name, _heading(name), [_cell(value) for value in values], to_right)
 
 
 def _heading(name: str) -> list[str]:

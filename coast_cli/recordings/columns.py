@@ -54,7 +54,7 @@ class Column:
 
 
 @dataclass(frozen=True)
-class Layout:
+class ColumnLayout:
     """The columns that are used, by quantity; ``notches`` from the clamp; ``notes`` on those that are not."""
 
     kind: Kind
@@ -69,7 +69,7 @@ def known_names() -> list[str]:
     return [*TEXTS, *names, *("notch_1" + suffix for suffix in ANGLE)]
 
 
-def find_layout(table: Table) -> Layout:
+def find_layout(table: Table) -> ColumnLayout:
     """Say which column of a table is which quantity.
 
     Raises:
@@ -98,7 +98,7 @@ def find_layout(table: Table) -> Layout:
         raise table.error("no response column", allowed=allowed)
     if kind == "joint" and not {"stroke", "tension"} & set(columns):
         raise table.error("no drive column", allowed="stroke_mm or tension_n")
-    return Layout(kind, columns, notches, tuple(notes))
+    return ColumnLayout(kind, columns, notches, tuple(notes))
 
 
 def _recognise(table: Table) -> tuple[list[Column], list[tuple[str, str, str]], list[str]]:

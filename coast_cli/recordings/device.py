@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from coast_cli.mechanics.tube import NotchedTube
-    from coast_cli.recordings.columns import Layout
+    from coast_cli.recordings.columns import ColumnLayout
     from coast_cli.recordings.table import Table
     from coast_cli.spec.config import Config
 
@@ -81,7 +81,7 @@ def split_pair(pair: str) -> tuple[str | None, str]:
 class TextColumn:
     """A text column asked run by run: the one text of a stretch of rows, refused where it changes within a run."""
 
-    def __init__(self, table: Table, layout: Layout, quantity: str) -> None:
+    def __init__(self, table: Table, layout: ColumnLayout, quantity: str) -> None:
         self._table = table
         self._column = layout.columns.get(quantity)
         if self._column is not None:
@@ -129,7 +129,7 @@ def _checked_tube(
     return name
 
 
-def pair_names(
+def joint_names(
     table: Table, outer: TextColumn, middle: TextColumn, stretch: tuple[int, int], defaults: Defaults
 ) -> tuple[str | None, str]:
     """Return the tubes of a joint run: each from its column where there is one, else from the default pair."""

@@ -14,7 +14,7 @@ import numpy as np
 
 from coast_cli.errors import nearest
 from coast_cli.recordings.columns import Column, key_of, known_names, parse
-from coast_cli.recordings.table import Origin, Table, read_table
+from coast_cli.recordings.table import CellOrigin, Table, read_table
 from coast_cli.units import unit_of
 
 if TYPE_CHECKING:
@@ -58,11 +58,11 @@ def read_mapped(path: str | Table, mapping: ColumnMapping) -> tuple[Table, tuple
         column = parse(name)
         if name not in used and name not in made and not (isinstance(column, Column) and key_of(column) in replaced):
             made[name] = table.columns[index]
-            origins[name] = Origin(name, places[name])
+            origins[name] = CellOrigin(name, places[name])
     return replace(table, names=tuple(made), columns=tuple(made.values()), origins=origins), (), (*notes, *kept)
 
 
-def short(text: str, most: int = 60) -> str:
+def short_name(text: str, most: int = 60) -> str:
     """Return a text as far as a sentence has room for it."""
     return text if len(text) <= most else f"{text[:most]}..."
 
@@ -74,11 +74,13 @@ def _ours(name: str) -> Column:
     return column
 
 
-def _made(table: Table, mapping: ColumnMapping) -> tuple[dict[str, Cells | Floats], dict[str, Origin], dict[str, int]]:
+def _made(
+    table: Table, mapping: ColumnMapping
+) -> tuple[dict[str, Cells | Floats], dict[str, CellOrigin], dict[str, int]]:
     """Return our columns and what each was made from, and the place of every column of the file."""
     places = {name: index for index, name in enumerate(table.names, start=1)}
     made: dict[str, Cells | Floats] = {}
-    origins: dict[str, Origin] = {}
+    origins: dict[str, CellOrigin] = {}
     for ours, source in mapping.columns.items():
         column = _checked(table, mapping, ours, source)
         if source.names:
@@ -90,7 +92,7 @@ def _made(table: Table, mapping: ColumnMapping) -> tuple[dict[str, Cells | Float
         made[ours] = cells
         title = " ".join(source.names) or f"{ours} of the mapping"
         place = places[source.names[0]] if source.names else None
-        origins[ours] = Origin(title, place, source.scale, source.offset)
+        origins[ours] = CellOrigin(title, place, source.scale, source.offset)
     return made, origins, places
 
 
@@ -99,7 +101,7 @@ def _checked(table: Table, mapping: ColumnMapping, ours: str, source: Source) ->
     column = parse(ours)
     if not isinstance(column, Column):
         swapped = (
-            f"Ours comes first: {short(source.names[0])}={short(ours)}."
+            f"Ours comes first: {short_name(source.names[0])}={short_name(ours)}."
             if source.names and parse(source.names[0])
             else None
         )
@@ -116,7 +118,7 @@ def _checked(table: Table, mapping: ColumnMapping, ours: str, source: Source) ->
         if name not in table.names:
             mapping.refuse(
                 key,
-                f"{ours} = {short(name)} names a column that the file does not have",
+                f"{ours} = {short_name(name)} names a column that the file does not have",
                 found=", ".join(table.names),
                 hint=nearest(name, table.names) or None,
                 recording=table.path,
@@ -141,12 +143,12 @@ def _check_unit(table: Table, mapping: ColumnMapping, ours: str, theirs: str) ->
     (what, suffix, factor), (other, other_suffix, other_factor) = mine, unit
     key = ("columns", ours)
     if what != other:
-        hint = f'A conversion is said with a scale: {ours} = {{ from = "{short(theirs)}", scale = 1 }}.'
-        message = f"{short(theirs)} is {other} ({other_suffix[1:]}), and {ours} is {what} ({suffix[1:]})"
+        hint = f'A conversion is said with a scale: {ours} = {{ from = "{short_name(theirs)}", scale = 1 }}.'
+        message = f"{short_name(theirs)} is {other} ({other_suffix[1:]}), and {ours} is {what} ({suffix[1:]})"
         mapping.refuse(key, message, hint=hint, recording=table.path)
     stem = ours.removesuffix(suffix)
-    hint = f"Write {stem}{other_suffix} = {short(theirs)}, or scale = {other_factor / factor:g}."
-    mapping.refuse(key, f"{short(theirs)} is in another unit than {ours}", hint=hint, recording=table.path)
+    hint = f"Write {stem}{other_suffix} = {short_name(theirs)}, or scale = {other_factor / factor:g}."
+    mapping.refuse(key, f"{short_name(theirs)} is in another unit than {ours}", hint=hint, recording=table.path)
 
 
 def _repeated(table: Table, mapping: ColumnMapping, ours: str, source: Source, *, is_text: bool) -> Cells | Floats:

@@ -14,7 +14,7 @@ import numpy as np
 
 from coast_cli.recordings.branches import Branches, difference_noise, find_branches
 from coast_cli.recordings.faults import clipped_rows, copied_rows, frozen_rows, quantum_of
-from coast_cli.recordings.noise_likelihood import Block, Posterior, noise_posterior
+from coast_cli.recordings.noise_likelihood import NoiseBlock, Posterior, noise_posterior
 from coast_cli.recordings.outliers import find_outliers
 
 if TYPE_CHECKING:
@@ -247,7 +247,7 @@ def _without_faults(series: Series) -> Series:
     return replace(series, values=np.where(useless, np.nan, values)) if useless.any() else series
 
 
-def _spread_out(blocks: list[Block], most_samples: int) -> list[Block]:
+def _spread_out(blocks: list[NoiseBlock], most_samples: int) -> list[NoiseBlock]:
     """Return blocks taken evenly from all until they hold enough samples."""
     total = sum(len(block.values) for block in blocks)
     if total <= most_samples:
@@ -270,7 +270,7 @@ def _usual_stretch(series: Sequence[Series]) -> float:
     return float(lengths @ lengths / lengths.sum())
 
 
-def _blocks(series: Series) -> list[Block]:
+def _blocks(series: Series) -> list[NoiseBlock]:
     """Cut a series at reversals, at long gaps and at the longest block; samples that are no use are closed up."""
     use = np.isfinite(series.values)
     parts = series.branches.parts if series.branches else ()
@@ -284,7 +284,7 @@ def _blocks(series: Series) -> list[Block]:
     return blocks
 
 
-def _cut(series: Series, index: NDArray[np.int64], degree: int, *, uneven: bool) -> list[Block]:
+def _cut(series: Series, index: NDArray[np.int64], degree: int, *, uneven: bool) -> list[NoiseBlock]:
     count = max(int(np.ceil(len(index) / LONGEST_BLOCK)), 2 if len(index) >= 2 * SHORTEST_BLOCK else 1)
     size = len(index) // count
     if size < SHORTEST_BLOCK:
@@ -299,7 +299,7 @@ def _cut(series: Series, index: NDArray[np.int64], degree: int, *, uneven: bool)
         if coordinate is None and rows[-1] - rows[0] >= size:
             # closing a gap up must not make a jump of the slope: what the block counts as signal goes first
             values = values - np.polynomial.Polynomial.fit(rows, values, degree)(rows)
-        blocks.append(Block(values, coordinate, degree))
+        blocks.append(NoiseBlock(values, coordinate, degree))
     return blocks
 
 

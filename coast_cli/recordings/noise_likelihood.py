@@ -54,7 +54,7 @@ MEMORY_IN_SAMPLES = np.array([-1.0 / np.log(memory) if memory else 0.0 for memor
 
 
 @dataclass(frozen=True, eq=False)
-class Block:
+class NoiseBlock:
     """Neighbouring samples of one smooth stretch.
 
     Attributes:
@@ -117,7 +117,7 @@ class _Basis:
 
 
 def noise_posterior(
-    blocks: Sequence[Block], start: float, longest_memory: float = np.inf, quantum: float = 0.0
+    blocks: Sequence[NoiseBlock], start: float, longest_memory: float = np.inf, quantum: float = 0.0
 ) -> Posterior:
     """Return the posterior of level and colour, shared by all blocks; ``start`` is a rough level, greater than 0.
 
@@ -175,9 +175,9 @@ def _grid_posterior(forms: list[Form], log_levels: Floats, longest_memory: float
     return _GridPosterior(by_block, log_levels, weight.sum(axis=(1, 2)), mean, std, float(low), float(high), unevenness)
 
 
-def _grouped(blocks: Sequence[Block]) -> list[tuple[list[Block], _Basis]]:
-    even: dict[tuple[int, int], list[Block]] = {}
-    groups: list[tuple[list[Block], _Basis]] = []
+def _grouped(blocks: Sequence[NoiseBlock]) -> list[tuple[list[NoiseBlock], _Basis]]:
+    even: dict[tuple[int, int], list[NoiseBlock]] = {}
+    groups: list[tuple[list[NoiseBlock], _Basis]] = []
     for block in blocks:
         if block.coordinate is None:
             even.setdefault((len(block.values), block.degree), []).append(block)
@@ -219,7 +219,7 @@ def _integrated_wiener(at: Floats) -> Floats:
     return covariance
 
 
-def _quadratic_forms(group: list[Block], basis: _Basis) -> Form:
+def _quadratic_forms(group: list[NoiseBlock], basis: _Basis) -> Form:
     """Return (quadratic form [colour, signal, block], half log determinant [colour, signal], degrees of freedom).
 
     The signals are those of each amplitude, then those of some amplitudes with one change of slope besides, at the

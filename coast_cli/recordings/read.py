@@ -10,8 +10,8 @@ import numpy as np
 
 from coast_cli.errors import BadInput
 from coast_cli.recordings.arrays import RecordingSource, as_sources, is_table, name_of, table_of
-from coast_cli.recordings.columns import RESPONSES, Layout, find_layout
-from coast_cli.recordings.device import SHORTEST, Defaults, TextColumn, defaults_of, pair_names, shape_tubes
+from coast_cli.recordings.columns import RESPONSES, ColumnLayout, find_layout
+from coast_cli.recordings.device import SHORTEST, Defaults, TextColumn, defaults_of, joint_names, shape_tubes
 from coast_cli.recordings.faults import fault_notes
 from coast_cli.recordings.mapped import read_mapped
 from coast_cli.recordings.mapping import ColumnMapping, as_mapping
@@ -129,7 +129,7 @@ def read_protocol(
     return runs, (*notes, *layout.notes)
 
 
-def _run_segments(table: Table, layout: Layout) -> list[tuple[str, int, int]]:
+def _run_segments(table: Table, layout: ColumnLayout) -> list[tuple[str, int, int]]:
     """Return (name, start, stop) of each run; a run that begins a second time is refused."""
     count = len(table.line)
     column = layout.columns.get("run")
@@ -151,7 +151,7 @@ def _run_segments(table: Table, layout: Layout) -> list[tuple[str, int, int]]:
     return [(name, *stretch) for name, stretch in zip(names, segments(starts, count), strict=True)]
 
 
-def _joint_runs(table: Table, layout: Layout, defaults: Defaults) -> Iterable[JointRun]:
+def _joint_runs(table: Table, layout: ColumnLayout, defaults: Defaults) -> Iterable[JointRun]:
     columns = layout.columns
     values = {
         quantity: table.numbers(columns[quantity].name) * columns[quantity].factor
@@ -179,7 +179,7 @@ def _joint_runs(table: Table, layout: Layout, defaults: Defaults) -> Iterable[Jo
     runs = []
     for name, start, stop in _run_segments(table, layout):
         rows = slice(start, stop)
-        name_outer, name_middle = pair_names(table, outer, middle, (start, stop), defaults)
+        name_outer, name_middle = joint_names(table, outer, middle, (start, stop), defaults)
         run = JointRun(
             name=name,
             source=table.path,
@@ -208,7 +208,7 @@ def _each_row(table: Table, name: str, start: int, values: Floats) -> Floats:
     return np.full(len(values), values[~missing][0]) if missing.any() else values
 
 
-def _response(table: Table, layout: Layout) -> tuple[ResponseKind, Floats]:
+def _response(table: Table, layout: ColumnLayout) -> tuple[ResponseKind, Floats]:
     if layout.notches:
         parts = [table.numbers(column.name, may_be_missing=True) * column.factor for column in layout.notches]
         return "notch", np.column_stack(parts)
@@ -217,7 +217,7 @@ def _response(table: Table, layout: Layout) -> tuple[ResponseKind, Floats]:
     return kind, (table.numbers(column.name, may_be_missing=True) * column.factor)[:, None]
 
 
-def _check_positive_length(table: Table, layout: Layout, length: Floats) -> None:
+def _check_positive_length(table: Table, layout: ColumnLayout, length: Floats) -> None:
     if (length < SHORTEST).any():  # which NaN, no length at all, is not
         row = int(np.argmax(length < SHORTEST))
         raise table.error(
@@ -229,7 +229,7 @@ def _check_positive_length(table: Table, layout: Layout, length: Floats) -> None
         )
 
 
-def _check_joint_run(table: Table, layout: Layout, run: JointRun, start: int, defaults: Defaults) -> None:
+def _check_joint_run(table: Table, layout: ColumnLayout, run: JointRun, start: int, defaults: Defaults) -> None:
     if len(run) < 2:
         raise table.error(f"run {run.name!r} has one sample", row=start, allowed="at least two")
     for notch, values in zip(layout.notches, run.response.T, strict=False):
@@ -284,7 +284,7 @@ def _short_lengths(runs: Sequence[JointRun], defaults: Defaults) -> Iterator[str
             yield f"{run.source}: run {run.name!r} has a bending length below one pitch, {pitch:g} mm: is it in mm?"
 
 
-def _shape_runs(table: Table, layout: Layout, defaults: Defaults) -> Iterable[ShapeRun]:
+def _shape_runs(table: Table, layout: ColumnLayout, defaults: Defaults) -> Iterable[ShapeRun]:
     x, y = (table.numbers(layout.columns[name].name) * layout.columns[name].factor for name in ("x", "y"))
     texts = {name: TextColumn(table, layout, name) for name in ("tube", "outer", "middle", "natural")}
     runs = []

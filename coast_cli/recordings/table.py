@@ -64,7 +64,7 @@ class Dialect:
 
 
 @dataclass(frozen=True)
-class Origin:
+class CellOrigin:
     """What a column was made from: its name and its place (from 1) in the file; value = scale * number + offset."""
 
     name: str
@@ -95,7 +95,7 @@ class Table:
     line: Integers
     decimal: str
     columns: tuple[Cells | Floats, ...]
-    origins: Mapping[str, Origin] = field(default_factory=dict)
+    origins: Mapping[str, CellOrigin] = field(default_factory=dict)
 
     @cached_property
     def index(self) -> dict[str, int]:

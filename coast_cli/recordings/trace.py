@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from coast_cli.recordings.trace_centreline import Sections
-    from coast_cli.recordings.trace_spline import Arc, Curve
+    from coast_cli.recordings.trace_spline import Arc, SplineCurve
 
     Floats = NDArray[np.float64]
     Image = NDArray[np.float32]
@@ -40,7 +40,7 @@ class Trace:
 
     source: Path
     mm_per_px: float
-    curve: Curve
+    curve: SplineCurve
     sections: Sections
     arc: Arc
     clamp: float
@@ -138,7 +138,7 @@ def _leftmost_first(way: Floats) -> Floats:
     return way[::-1] if way[0, 0] > way[-1, 0] else way
 
 
-def _refined(contrast: Image, way: Floats, radius: float, *, rounds: int) -> tuple[Curve, Sections]:
+def _refined(contrast: Image, way: Floats, radius: float, *, rounds: int) -> tuple[SplineCurve, Sections]:
     """Return the centreline from a rough way along the tube: sections across it, a spline through them, and again."""
     from coast_cli.recordings.trace_centreline import cross_sections
     from coast_cli.recordings.trace_spline import fit_curve
@@ -196,7 +196,7 @@ def _cut_off(message: str, *, at: tuple[Floats, ...] | None = None) -> BadFrame:
     return BadFrame("cut-off", message, hint=hint)
 
 
-def _glare_near(glare: NDArray[np.bool_], curve: Curve, width: float, first: float, last: float) -> bool:
+def _glare_near(glare: NDArray[np.bool_], curve: SplineCurve, width: float, first: float, last: float) -> bool:
     """Whether saturated pixels touch the tube over a quarter of its width or more, or lie right before its tip."""
     x, y, angle = curve.at(np.arange(first, last + width, max(width / 16, 1.0)))
     across = np.linspace(-0.7, 0.7, 15)[:, None] * width
@@ -205,7 +205,7 @@ def _glare_near(glare: NDArray[np.bool_], curve: Curve, width: float, first: flo
     return int((glare[row, column].mean(axis=0) > 0.1).sum()) * max(width / 16, 1.0) > 0.25 * width
 
 
-def _nearest(curve: Curve, clamp: tuple[float, float], low: float, high: float) -> tuple[float, float]:
+def _nearest(curve: SplineCurve, clamp: tuple[float, float], low: float, high: float) -> tuple[float, float]:
     """Arc length of the point nearest to the clamp, and how far off it is."""
     s = np.linspace(low, high, 4001)
     x, y, _ = curve.at(s)
@@ -214,7 +214,7 @@ def _nearest(curve: Curve, clamp: tuple[float, float], low: float, high: float) 
     return float(s[nearest]), float(off[nearest])
 
 
-def _tip_comes_first(curve: Curve, sections: Sections, clamp: tuple[float, float] | None) -> bool:
+def _tip_comes_first(curve: SplineCurve, sections: Sections, clamp: tuple[float, float] | None) -> bool:
     first, last = _ends(sections)
     if clamp is None:
         return False
@@ -225,7 +225,7 @@ def _tip_comes_first(curve: Curve, sections: Sections, clamp: tuple[float, float
 
 
 def _clamped(
-    curve: Curve, sections: Sections, ends: tuple[float, float], clamp: tuple[float, float] | None
+    curve: SplineCurve, sections: Sections, ends: tuple[float, float], clamp: tuple[float, float] | None
 ) -> tuple[float, float]:
     """Return the part of the curve from the clamp to the tip."""
     first, last = ends

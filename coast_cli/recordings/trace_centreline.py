@@ -18,7 +18,7 @@ from coast_cli.recordings.trace_image import BadFrame
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from coast_cli.recordings.trace_spline import Curve
+    from coast_cli.recordings.trace_spline import SplineCurve
     from coast_cli.recordings.trace_threshold import Silhouette
 
     Floats = NDArray[np.float64]
@@ -29,7 +29,7 @@ FLOOR = 0.02  # pixels: what a noiseless drawing is traced to
 
 
 @dataclass(frozen=True)
-class Path:
+class PixelPath:
     """The way along a tube, pixels of the photograph: points, arc length and about half the width of the tube."""
 
     x: Floats
@@ -65,7 +65,7 @@ class Sections:
     at_border: Mask
 
 
-def medial_path(silhouette: Silhouette) -> Path:
+def medial_path(silhouette: Silhouette) -> PixelPath:
     """Return the longest way along the skeleton of a silhouette, without its last half width at either end.
 
     Raises:
@@ -93,7 +93,7 @@ def medial_path(silhouette: Silhouette) -> Path:
     if way.size < 8:
         raise BadFrame("no-tube", "no tube is seen: what stands out from the ground is not long and thin")
     x, y = silhouette.to_image(columns[way].astype(np.float64) - 1, rows[way].astype(np.float64) - 1)
-    return Path(x, y, radius * silhouette.shrink)
+    return PixelPath(x, y, radius * silhouette.shrink)
 
 
 def _longest_way(rows: NDArray[np.intp], columns: NDArray[np.intp]) -> NDArray[np.intp]:
@@ -134,7 +134,7 @@ def _crossed() -> BadFrame:
     return BadFrame("two-tubes", message, hint="Crop to one tube, or clear the ground.")
 
 
-def cross_sections(contrast: Image, curve: Curve, radius: float, *, extend: float = 0.0) -> Sections:
+def cross_sections(contrast: Image, curve: SplineCurve, radius: float, *, extend: float = 0.0) -> Sections:
     """Return edges and middles of the tube at stations along a curve, one pixel or a sixteenth of a width apart.
 
     Args:

@@ -23,7 +23,7 @@ Row = dict[str, str | float | int | None]
 
 
 @dataclass(frozen=True)
-class Frame:
+class PictureFrame:
     """One image of a sequence: its trace, or the error that says why there is none."""
 
     path: Path
@@ -57,7 +57,7 @@ class Frame:
 
 def trace_frames(
     paths: Sequence[Path], *, mm_per_px: float, clamp: tuple[float, float] | None, keep_failures: bool
-) -> list[Frame]:
+) -> list[PictureFrame]:
     """Trace images in order.
 
     Args:
@@ -71,18 +71,18 @@ def trace_frames(
     frames = []
     for path in paths:
         try:
-            frames.append(Frame(path, trace_image(path, mm_per_px=mm_per_px, clamp=clamp), None))
+            frames.append(PictureFrame(path, trace_image(path, mm_per_px=mm_per_px, clamp=clamp), None))
         except BadFrame as error:
             if not keep_failures:
                 raise
-            frames.append(Frame(path, None, error.with_traceback(None)))
+            frames.append(PictureFrame(path, None, error.with_traceback(None)))
     failures = [frame.error for frame in frames if frame.error]
     if len(failures) == len(frames):
         raise failures[0]
     return frames
 
 
-def shape_rows(frames: Sequence[Frame], *, points: int, tube: str | None) -> list[Row]:
+def shape_rows(frames: Sequence[PictureFrame], *, points: int, tube: str | None) -> list[Row]:
     """Return the points of every frame, a run each; without ``tube`` the reader takes the pair of its config."""
     stems = Counter(frame.path.stem for frame in frames)
     rows: list[Row] = []
@@ -96,7 +96,7 @@ def shape_rows(frames: Sequence[Frame], *, points: int, tube: str | None) -> lis
     return rows
 
 
-def joint_rows(frames: Sequence[Frame], drive: Sequence[Row] | None) -> tuple[list[Row], tuple[str, ...]]:
+def joint_rows(frames: Sequence[PictureFrame], drive: Sequence[Row] | None) -> tuple[list[Row], tuple[str, ...]]:
     """Return one row a frame, with the columns of the drive first, and notes.
 
     Curvature is positive the way the sequence bends most, since a camera may look at the joint from either side.

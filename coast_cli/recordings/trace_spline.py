@@ -24,7 +24,7 @@ SPANS = 16
 
 
 @dataclass(frozen=True)
-class Curve:
+class SplineCurve:
     """A plane curve by arc length, pixels, rows counting down.
 
     Attributes:
@@ -96,7 +96,7 @@ class Arc:
         return x - distance * outward[0] * self.size, y + distance * outward[1] * self.size, angle
 
 
-def fit_curve(t: Floats, x: Floats, y: Floats, low: float, high: float, *, grain: float = 1.0) -> Curve:
+def fit_curve(t: Floats, x: Floats, y: Floats, low: float, high: float, *, grain: float = 1.0) -> SplineCurve:
     """Return the smoothing spline of points in order.
 
     Args:
@@ -130,7 +130,9 @@ def fit_curve(t: Floats, x: Floats, y: Floats, low: float, high: float, *, grain
     covariance = inverse * variance * weight.size / independent
     table = np.linspace(low, high, 2001)
     arc = _arc_length(knots, coefficients, table)
-    return Curve(float(arc[-1]), knots, coefficients, table, arc, covariance, float(np.sqrt(variance)), independent)
+    return SplineCurve(
+        float(arc[-1]), knots, coefficients, table, arc, covariance, float(np.sqrt(variance)), independent
+    )
 
 
 def _knots(low: float, high: float) -> Floats:

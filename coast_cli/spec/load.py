@@ -15,7 +15,7 @@ from coast_cli.spec.changes import changed
 from coast_cli.spec.config import Config, Origin
 from coast_cli.spec.explore import check_explore
 from coast_cli.spec.positions import key_positions
-from coast_cli.spec.tubes import check_design
+from coast_cli.spec.tubes import check_tubes
 from coast_cli.spec.values import NUMBER, REFUSED, TABLE
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ def load_config_text(text: str, name: str = "<text>") -> Config:
     config, refused = read_document(text, name)
     if config is None:
         raise next(refused)
-    check_design(config)
+    check_tubes(config)
     check_explore(config)
     return config
 

@@ -43,7 +43,7 @@ def bench_tubes(config: Config, role: Role) -> tuple[BenchTube, ...]:
     return tuple(_Merge(config, role, stock, index, sample).tube() for index, sample in enumerate(stock.samples))
 
 
-def check_design(config: Config) -> None:
+def check_tubes(config: Config) -> None:
     """Check what one table cannot see of another.
 
     Raises:

@@ -5,7 +5,7 @@ import pytest
 
 from coast_cli.errors import NotConverged
 from coast_cli.mechanics.beam import solve_beam
-from coast_cli.mechanics.beam.problem import BeamProblem, Trace, march_shape, march_turn
+from coast_cli.mechanics.beam.problem import BeamProblem, BeamTrace, march_shape, march_turn
 from coast_cli.mechanics.beam.projected import solve_beam_projected
 from coast_cli.mechanics.tube import NotchedTube
 
@@ -27,7 +27,7 @@ def uniform(parts: int) -> BeamProblem:
 
 def shot(parts: int) -> np.ndarray:
     problem = uniform(parts)
-    trace = Trace(problem)
+    trace = BeamTrace(problem)
     turn, _ = march_shape(problem, np.cos(0.5), np.sin(0.5), trace)
     return np.array([turn, trace.moment[0, 0], trace.x[0, 0], trace.y[0, 0]])
 
@@ -43,7 +43,7 @@ def test_the_tangent_is_of_order_three():
         problem, step = uniform(parts), 1e-30
         angle = 0.5 + 1j * step
         exact = 1.0 + np.imag(march_turn(problem, np.cos(angle), np.sin(angle))) / step
-        return abs(march_shape(problem, np.cos(0.5), np.sin(0.5), Trace(problem))[1] - exact)
+        return abs(march_shape(problem, np.cos(0.5), np.sin(0.5), BeamTrace(problem))[1] - exact)
 
     errors = np.array([error(parts) for parts in (8, 16, 32, 64)])
     assert np.all(np.abs(np.log2(errors[:-1] / errors[1:]) - 3.0) < 0.25)

@@ -38,7 +38,7 @@ BRANCHES = (("load", 1), ("release", -1))
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
+class CalibratedPart:
     """A refit of one run or of one branch of all runs, and how far each value lies from the whole fit's, in sigmas."""
 
     name: str
@@ -108,7 +108,7 @@ class Calibration(Rows):
 
     parameters: tuple[Calibratable, ...]
     whole: CalibrationFit
-    parts: tuple[Part, ...]
+    parts: tuple[CalibratedPart, ...]
     train: CalibrationErrors
     held_out: CalibrationErrors | None
     held_out_runs: tuple[str, ...]
@@ -298,7 +298,7 @@ def _known(runs: Sequence[JointRun], names: Sequence[str]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(names))
 
 
-def _parts(whole: CalibrationFit, runs: Sequence[JointRun]) -> list[Part]:
+def _parts(whole: CalibrationFit, runs: Sequence[JointRun]) -> list[CalibratedPart]:
     """Refit single runs and branches, where there is more than one."""
     subsets: dict[str, dict[str, Booleans]] = {}
     if len(runs) > 1:
@@ -310,7 +310,7 @@ def _parts(whole: CalibrationFit, runs: Sequence[JointRun]) -> list[Part]:
     for name, rows in subsets.items():
         fitted = refit(whole, rows)
         if fitted is not None and fitted.estimates:
-            parts.append(Part(name, fitted, _distances(whole, fitted)))
+            parts.append(CalibratedPart(name, fitted, _distances(whole, fitted)))
     return parts
 
 

@@ -157,7 +157,7 @@ def screen_laws(problem: JointProblem, fitted: Fit, *, draws: int = DRAWS, seed:
         problem: whose fitted rows are looked at. fitted: base and effects that are there already.
         draws: of noise alone. seed: of them.
     """
-    design = Design(problem, fitted)
+    design = CellDesign(problem, fitted)
     rng = np.random.default_rng(seed)
     spread = min(float(np.nan_to_num(problem.noise_estimate.log_level_std, posinf=_LARGEST_SPREAD)), _LARGEST_SPREAD)
     noise = rng.standard_normal((design.size, draws)) * np.exp(spread * np.abs(rng.standard_normal(draws)))
@@ -176,7 +176,7 @@ def screen_laws(problem: JointProblem, fitted: Fit, *, draws: int = DRAWS, seed:
     return Screened(candidates, by_chance)
 
 
-class Design:
+class CellDesign:
     """Every cell's functions as columns over the fitted rows, whitened, with what other parameters follow taken out."""
 
     def __init__(self, problem: JointProblem, fitted: Fit) -> None:

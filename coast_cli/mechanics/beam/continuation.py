@@ -22,7 +22,7 @@ _CORRECTIONS = 3
 
 
 @dataclass(frozen=True, slots=True)
-class Path:
+class EquilibriumPath:
     """Where the paths of m beams from zero load arrive.
 
     Attributes:
@@ -36,7 +36,7 @@ class Path:
     turned_at: FloatArray
 
 
-def follow(problem: BeamProblem) -> Path:
+def follow_branch(problem: BeamProblem) -> EquilibriumPath:
     """Follow the equilibria of m beams, arrays of shape (n, m), from zero to full load."""
     count = problem.length.shape[1]
     tip = np.array(np.broadcast_to(problem.unloaded_tip_angle, count), dtype=float)
@@ -69,7 +69,7 @@ def follow(problem: BeamProblem) -> Path:
         if going.size == 0:
             break
     slope = clamp_error(problem, tip)[1]
-    return Path(tip, np.where(slope == 0.0, 1.0, slope), arrived, turned_at)
+    return EquilibriumPath(tip, np.where(slope == 0.0, 1.0, slope), arrived, turned_at)
 
 
 def _equation(problem: BeamProblem, tip: FloatArray, share: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -234,7 +234,7 @@ class Ripple:
         return Ripple(*(np.repeat(getattr(self, name), parts, axis=0) for name in self.__slots__))
 
 
-class Trace:
+class BeamTrace:
     """What a march passes: rows over the nodes from clamp to tip, shape (n + 1, m).
 
     Attributes:
@@ -361,7 +361,7 @@ def march_turns(
     return np.diff(slopes, axis=0) * -change - turns, change
 
 
-def march_shape(problem: BeamProblem, cosine: Number, sine: Number, trace: Trace) -> tuple[Number, Number]:
+def march_shape(problem: BeamProblem, cosine: Number, sine: Number, trace: BeamTrace) -> tuple[Number, Number]:
     """March as ``march`` does and write every node into ``trace``."""
     thrust, shear, moment = problem.tip_loads
     total, x, y = 0.0 * cosine, 0.0, 0.0

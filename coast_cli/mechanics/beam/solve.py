@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from coast_cli.mechanics.beam.continuation import follow
+from coast_cli.mechanics.beam.continuation import follow_branch
 from coast_cli.mechanics.beam.hanging import FIRST_NUMBER, MOST_NUMBER, follow_down
-from coast_cli.mechanics.beam.problem import AnyProblem, BeamProblem, Trace, march_shape, march_turns, rotation
+from coast_cli.mechanics.beam.problem import AnyProblem, BeamProblem, BeamTrace, march_shape, march_turns, rotation
 from coast_cli.mechanics.beam.start import PLAIN_CELLS, Start, find_start
 from coast_cli.mechanics.section import FloatArray
 
@@ -153,7 +153,7 @@ def _solve_alike(
     lost = np.flatnonzero(moved & (start.equilibria > 1))
     if lost.size > 0:
         again = beams.picked(lost)
-        path = follow(again)
+        path = follow_branch(again)
         _newton(again, path.tip_angle, ends, result, columns[lost])
         result.turned_at[columns[lost]] = path.turned_at
         result.converged[columns[lost]] &= path.arrived
@@ -168,7 +168,7 @@ def _newton(
 ) -> None:
     """Correct the tip angles by Newton's method; of a sharp start one march is enough."""
     for step in range(1, _MOST_STEPS + 1):
-        trace = Trace(beams)
+        trace = BeamTrace(beams)
         total, slope = march_shape(beams, *rotation(beams, tip), trace)
         change = (tip + total - beams.base) / np.where(slope == 0.0, np.inf, slope)
         residual = np.abs(slope) * (TANGENT_ERROR * np.abs(change) + ROUNDING)
@@ -188,7 +188,7 @@ def _newton(
 def _record(
     tip: FloatArray,
     change: FloatArray,
-    trace: Trace,
+    trace: BeamTrace,
     ends: NDArray[np.int64],
     done: NDArray[np.int64],
     result: Equilibria,

@@ -13,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from coast_cli.mechanics.beam.continuation import follow
+from coast_cli.mechanics.beam.continuation import follow_branch
 from coast_cli.mechanics.beam.problem import AnyProblem, BeamProblem, Ripple, clamp_error, march_rippled
 from coast_cli.mechanics.roots import increasing_root
 from coast_cli.mechanics.section import FloatArray
@@ -98,7 +98,7 @@ def _solve_heavy(
     tip, found = _grown(beams)
     winding = np.flatnonzero(~found)
     if winding.size > 0:
-        path = follow(beams.picked(winding))
+        path = follow_branch(beams.picked(winding))
         tip[winding], found[winding], start.turned_at[heavy[winding]] = path.tip_angle, path.arrived, path.turned_at
     several = np.flatnonzero(~_survey(beams, SURVEY)[0])
     if several.size > 0:

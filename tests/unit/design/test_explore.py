@@ -11,7 +11,7 @@ from hypothesis.extra.numpy import arrays
 from coast_cli.design.exploration import Beginning, explore
 from coast_cli.design.explore import explore_block, tasks
 from coast_cli.design.front import Front, undominated
-from coast_cli.design.work import in_order, workers
+from coast_cli.design.work import results_in_order, workers
 from coast_cli.errors import BadInput
 from coast_cli.mechanics.pairs import pair_table
 from coast_cli.spec.build import build
@@ -197,7 +197,7 @@ def test_processes_give_the_same_blocks(reference_text):
     assert len(blocks) == 9
     alone = [explore_block(task) for task in blocks]
     with workers(2, None) as executor:
-        together = list(in_order(*executor, explore_block, blocks))
+        together = list(results_in_order(*executor, explore_block, blocks))
     for one, two in zip(alone, together, strict=True):
         assert {name: column.tobytes() for name, column in one.columns.items()} == {
             name: column.tobytes() for name, column in two.columns.items()

@@ -14,7 +14,7 @@ from coast_cli.diagnosis.recorded import diagnose
 from coast_cli.output.diagnosis import DiagnosisAnswer
 from coast_cli.output.diagnosis_json import document
 from coast_cli.output.diagnosis_page import render
-from coast_cli.output.diagnosis_report import report
+from coast_cli.output.diagnosis_report import report_page
 from coast_cli.recordings.read import read_recordings
 from coast_cli.spec.load import load_config_text
 from examples.concealed.design import Joint, Robot, Tube
@@ -174,7 +174,7 @@ def test_page_and_json_show_both(deeper):
 def test_the_report_shows_both(deeper):
     pytest.importorskip("matplotlib", reason="not here: matplotlib, which draws the report")
     _, read, found = deeper
-    page = report(DiagnosisAnswer(found, found.carried.config, read, {}, read.notes))
+    page = report_page(DiagnosisAnswer(found, found.carried.config, read, {}, read.notes))
     assert "Shared with the shapes" in page
     assert "notch_depth_error.depth_um" in page
 

@@ -16,7 +16,7 @@ from coast_cli.effects.library.backlash import Backlash
 from coast_cli.errors import UsageError
 from coast_cli.output import diagnosis_json, diagnosis_page
 from coast_cli.output.diagnosis import DiagnosisAnswer, Outputs, write_diagnosis
-from coast_cli.output.diagnosis_report import report
+from coast_cli.output.diagnosis_report import report_page
 from coast_cli.output.diagnosis_words import HEADLINES, measured, percent
 from coast_cli.output.provenance import provenance
 from coast_cli.recordings.read import read_recordings
@@ -210,7 +210,7 @@ class Page(HTMLParser):
 
 @pytest.mark.parametrize("name", BY_HAND)
 def test_the_report_needs_nothing_from_outside(answer_of, name):
-    html = report(answer_of(BY_HAND[name]))
+    html = report_page(answer_of(BY_HAND[name]))
     parsed = Page()
     parsed.feed(html)
     assert parsed.open == []
@@ -222,7 +222,7 @@ def test_the_report_needs_nothing_from_outside(answer_of, name):
 
 
 def test_a_report_escapes_what_others_wrote(answer_of):
-    html = report(answer_of(replace(INSUFFICIENT, notes=("run <script>alert(1)</script> & more",))))
+    html = report_page(answer_of(replace(INSUFFICIENT, notes=("run <script>alert(1)</script> & more",))))
     assert "<script>" not in html
     assert "&lt;script&gt;" in html
 

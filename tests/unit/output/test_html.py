@@ -7,8 +7,8 @@ import pytest
 
 from coast_cli.output.html import (
     _STYLE,
-    Column,
     Group,
+    HtmlColumn,
     Markup,
     Row,
     bullets,
@@ -33,20 +33,20 @@ def test_nothing_to_say_is_nothing():
 
 
 def test_cells_are_escaped_unless_they_are_markup():
-    html = table([Column("a<"), Column("b", "1/m", holds="text")], [Row(["<i>", Markup("<b>x</b>")], "fails")])
+    html = table([HtmlColumn("a<"), HtmlColumn("b", "1/m", holds="text")], [Row(["<i>", Markup("<b>x</b>")], "fails")])
     assert "<th>a&lt;</th>" in html
     assert '<th class="text">b<br><span class="unit">1/m</span></th>' in html
     assert '<tr class="fails"><td>&lt;i&gt;</td><td class="text"><b>x</b></td></tr>' in html
 
 
 def test_a_name_may_be_broken_only_where_it_is_long():
-    html = table([Column("name", holds="key")], [Row(["OT4"]), Row(["x" * 61])])
+    html = table([HtmlColumn("name", holds="key")], [Row(["OT4"]), Row(["x" * 61])])
     assert '<td class="key">OT4</td>' in html
     assert f'<td class="text">{"x" * 61}</td>' in html
 
 
 def test_a_group_has_a_heading_over_all_columns():
-    html = grouped([Column("a"), Column("b")], [Group("X2 & more", [Row(["1", "2"])], "said <so>")])
+    html = grouped([HtmlColumn("a"), HtmlColumn("b")], [Group("X2 & more", [Row(["1", "2"])], "said <so>")])
     assert '<tr class="group"><th colspan="2">X2 &amp; more<small>said &lt;so&gt;</small></th></tr>' in html
 
 
@@ -100,7 +100,7 @@ def test_every_colour_of_text_stands_out_from_every_ground_it_may_stand_on(dark)
 
 
 def test_what_is_wide_scrolls_in_its_own_place():
-    html = table([Column("a")], [Row(["1"])])
+    html = table([HtmlColumn("a")], [Row(["1"])])
     assert html.startswith('<div class="wide"><table>')
     assert ".wide { overflow-x: auto;" in _STYLE
     assert "img { display: block; max-width: 100%;" in _STYLE

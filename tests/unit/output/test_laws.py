@@ -13,7 +13,7 @@ from coast_cli.effects.unnamed import UnnamedLaw
 from coast_cli.output import diagnosis_json, diagnosis_page
 from coast_cli.output.diagnosis import DiagnosisAnswer
 from coast_cli.output.diagnosis_plot import plot_diagnosis, plot_laws
-from coast_cli.output.diagnosis_report import report
+from coast_cli.output.diagnosis_report import report_page
 from coast_cli.recordings.model import Recordings
 from coast_cli.spec.load import REFERENCE, load_config
 from tests.unit.output.test_diagnosis import PHYSICS
@@ -67,7 +67,7 @@ def test_the_picture_names_what_is_drawn_with_units():
 
 
 def test_the_report_has_the_picture_and_the_table(answer):
-    page = report(answer)
+    page = report_page(answer)
     assert "broken line: the equation" in page
     assert "moment / EI against the motion (1/m)" in page
     assert "<script" not in page

@@ -4,7 +4,7 @@ import tomllib
 
 import pytest
 
-from coast_cli.output.labels import written
+from coast_cli.output.labels import label_text
 from coast_cli.output.report_inputs import Sources, inputs_of, inputs_section, said_of
 from coast_cli.spec.load import load_config, load_config_text
 
@@ -115,4 +115,4 @@ def test_effects_of_a_model_are_inputs_too(reference_text):
     ],
 )
 def test_a_column_has_one_number_of_decimals(values, texts):
-    assert written(values) == texts
+    assert label_text(values) == texts
