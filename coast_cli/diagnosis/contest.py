@@ -21,6 +21,7 @@ from coast_cli.diagnosis.thresholds import (
     AT_FLOOR,
     CLOSE_ENDS,
     EFFECT_NATS,
+    GROWS_BY,
     MOST_CLOSE_ENDS,
     QUIET,
     TIE,
@@ -245,7 +246,12 @@ def _tighten(problem: Problem, tried: dict[EffectsKey, Hypothesis]) -> None:
 
 
 def _worth_growing(problem: Problem, frontier: Sequence[Hypothesis], grown: Hypothesis) -> bool:
-    """Return whether one more effect earned enough for another to be tried; coloured noise counts for less."""
+    """Return whether one more effect earned enough for another to be tried; coloured noise counts for less.
+
+    From the third effect on, sets could draw anything: each must take a good part of what is left.
+    """
+    if len(grown.ids) > 2 and grown.fit.rmse > (1.0 - GROWS_BY) * min(parent.fit.rmse for parent in frontier):
+        return False
     gain = min(plain_error(problem, parent.fit) for parent in frontier) - plain_error(problem, grown.fit)
     if grown.fit.rmse < QUIET * problem.noise_floor:
         memory = grown.fit.evidence.memory

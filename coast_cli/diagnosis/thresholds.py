@@ -38,6 +38,7 @@ SMALLEST_PART = Threshold(0.1, "of the base model's error", "change of a shape b
 ALIKE_NATS = Threshold(4.0, "nats", "behind the leading set within which another one tells the same", _PILOT)
 TIE = Threshold(0.05, "nats", "within which scores are equal, and fewer parameters go first", _REASON)
 WORTH_GROWING = Threshold(4.0, "nats", "of plain error that one more effect must take for another to be tried", _PILOT)
+GROWS_BY = Threshold(0.1, "of the error", "that a third and any further effect must take for more to be tried", _REASON)
 QUIET = Threshold(1.9, "noise levels", "up to which a smooth gain may be the colour of the noise", _CLEAN)
 AT_FLOOR = Threshold(1.12, "noise levels", "of error under which nothing is left to be explained", _CLEAN)
 ONE_SAMPLE_SHARE = Threshold(0.85, "", "share of a gain that one sample may make: above, it is an outlier", _REASON)
