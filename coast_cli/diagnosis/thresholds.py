@@ -178,15 +178,15 @@ MOMENT_NATS = Threshold(
 )
 
 # The odds that a joint's names are right: log odds, less a weight times each figure that speaks against them.
-ODDS_CONSTANT = Threshold(3.2, "log odds", "of names against which nothing speaks", _PILOT)
-ODDS_LEFT = Threshold(1.9, "log odds", "a unit of log(1 + noise widths left)", _PILOT)
-ODDS_SHARE = Threshold(0.0, "log odds", "for all of what the base model left, left", _PILOT)
-ODDS_UNSEEN = Threshold(0.7, "log odds", "a unit of certifying error over what is allowed, beyond one half", _PILOT)
-ODDS_ASKED = Threshold(0.0, "log odds", "a factor of ten in the chance that noise alone asks for a law", _PILOT)
-ODDS_GAIN = Threshold(0.05, "log odds", "a unit of log(1 + nats of a law ahead of the names)", _PILOT)
-ODDS_BESIDE = Threshold(0.2, "log odds", "where a law stands beside the names", _PILOT)
-ODDS_NAMES = Threshold(0.6, "log odds", "of a set of names", _PILOT)
-ODDS_DOUBT = Threshold(1.0, "log odds", "a unit of the noise level's standard deviation of logarithm", _PILOT)
+ODDS_CONSTANT = Threshold(3.15, "log odds", "of names against which nothing speaks", _PILOT)
+ODDS_LEFT = Threshold(1.8, "log odds", "a unit of log(1 + noise widths left)", _PILOT)
+ODDS_SHARE = Threshold(1.17, "log odds", "for all of what the base model left, left", _PILOT)
+ODDS_UNSEEN = Threshold(0.78, "log odds", "a unit of certifying error over what is allowed, beyond one half", _PILOT)
+ODDS_ASKED = Threshold(0.22, "log odds", "a factor of ten in the chance that noise alone asks for a law", _PILOT)
+ODDS_GAIN = Threshold(0, "log odds", "a unit of log(1 + nats of a law ahead of the names)", _PILOT)
+ODDS_BESIDE = Threshold(0, "log odds", "where a law stands beside the names", _PILOT)
+ODDS_NAMES = Threshold(1.04, "log odds", "of a set of names", _PILOT)
+ODDS_DOUBT = Threshold(1.38, "log odds", "a unit of the noise level's standard deviation of logarithm", _PILOT)
 MODULUS_CALIBRATED = Threshold(
     0.03, "of its logarithm", "to which a configured modulus is known, as calibrations repeat", _REASON
 )

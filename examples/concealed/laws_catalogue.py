@@ -373,7 +373,8 @@ NEAR_TWINS: dict[str, tuple[str, ...]] = {
     "tube_superelasticity": ("tube_hysteresis",),
     "tube_hysteresis": ("tube_superelasticity",),
     "tendon_superelasticity": ("transmission_compliance",),
-    "transmission_compliance": ("tendon_superelasticity",),
+    # With the tubes' modulus free, a scale of the load cell is the same line from stroke to curvature and to tension.
+    "transmission_compliance": ("tendon_superelasticity", "load_cell_scale"),
     "precurvature": ("camera_offset",),
     "camera_offset": ("precurvature",),
     "tip_load": ("gravity",),
