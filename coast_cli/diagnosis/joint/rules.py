@@ -212,9 +212,15 @@ def _blamed(case: JointCase, name: str) -> JointCase | None:
 
 
 def names_that_are_too_unsure_give_way(case: JointCase) -> Case | Ruling | None:
-    """Rule: names that are more likely wrong than a wrong name is worth give way to a law, or to none."""
+    """Rule: names that are more likely wrong than a wrong name is worth give way to a law, or to none.
+
+    Where unseen rows want nothing, they give way to the base model.
+    """
     if not case.names or case.against is None or case.certainty >= NAMED_FROM:
         return None
+    alone = foretold(case.known, case.refitted_base, case.kept_back.rows)
+    if alone.count and alone.error <= LEAST_MISFIT:
+        return replace(case.led_by(case.contest.base), law=None, told=None, is_closed=True)
     world = case.asked
     why = f"{' + '.join(case.names)} would be right with {100.0 * case.certainty:.0f} % only"
     for law in world.instead.laws[:1]:
