@@ -14,7 +14,6 @@ from coast_cli.diagnosis.curves import JointCurve
 from coast_cli.diagnosis.fit import Fit, fit
 from coast_cli.diagnosis.holdout import HoldOut
 from coast_cli.diagnosis.joint.axes import locate_joint
-from coast_cli.diagnosis.joint.build import FROM_DATA_SHEETS
 from coast_cli.diagnosis.joint.errors import UNITS, errors_of, held_out_spread, to_unit
 from coast_cli.diagnosis.joint.holdout import ONE_RUN
 from coast_cli.diagnosis.joint.odds import Against
@@ -43,7 +42,6 @@ from coast_cli.diagnosis.space import Booleans
 from coast_cli.diagnosis.spread import Spread, effect_keys, spread_of
 from coast_cli.diagnosis.thresholds import (
     ABOVE_NOISE,
-    AGREE_SIGMA,
     FAR_ABOVE_NOISE,
     FLOOR_DOUBT,
     HARM,
@@ -212,19 +210,6 @@ class JointCase(Case):
             names=float(len(names.effects) > 1),
             doubt=min(self.problem.noise_estimate.log_level_std, float(FLOOR_DOUBT)),
         )
-
-    @property
-    def strained(self) -> str:
-        """Which number of a data sheet the refitted base model needs to be off by more than chance; empty where none."""
-        said = []
-        for parameter, coordinate in zip(self.problem.base, self.contest.base.fit.coordinates, strict=True):
-            pull = (coordinate - parameter.inner) / parameter.prior
-            if parameter.name in FROM_DATA_SHEETS and abs(pull) > AGREE_SIGMA:
-                value = f"{parameter.outer(coordinate):.3g} instead of {parameter.value:.3g}"
-                said.append(
-                    f"{parameter.name} would be {value}, {abs(pull):.1f} standard deviations from its data sheet"
-                )
-        return "; ".join(said)
 
     @property
     def evidence(self) -> dict[str, float]:

@@ -18,6 +18,7 @@ from coast_cli.diagnosis.joint.errors import UNITS, to_unit
 from coast_cli.diagnosis.joint.holdout import hold_out, hold_out_others, rows_that_choose
 from coast_cli.diagnosis.joint.problem import JointProblem
 from coast_cli.diagnosis.joint.rules import JOINT_RULES
+from coast_cli.diagnosis.joint.witness import off_data_sheet
 from coast_cli.diagnosis.joint.words import (
     FIRST_RECORDING,
 )
@@ -69,13 +70,12 @@ def diagnose_joint(
         again = asked.judged(other) if other is not None else None
         if isinstance(again, tuple) and not again[0].is_refused_by_unseen_rows:
             case, ruling = again
-    strained = case.strained if ruling.verdict == "parameters" else ""
-    again = asked.judged(certifying, trusting=True) if strained else None
+    off = off_data_sheet(case.problem, case.contest.base.fit) if ruling.verdict == "parameters" else ""
+    again = asked.judged(certifying, trusting=True) if off else None
     if isinstance(again, tuple) and again[1].verdict not in ("agrees", "parameters", "unexplained"):
         answer = again[0].diagnosis(again[1])
-        return replace(answer, reason=f"{answer.reason}; without it {strained}")
-    answer = case.diagnosis(ruling)
-    return replace(answer, notes=(*answer.notes, strained)) if strained else answer
+        return replace(answer, reason=f"{answer.reason}; without it {off}")
+    return case.diagnosis(ruling)
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from coast_cli.diagnosis.fit import Fit, fit
-from coast_cli.diagnosis.thresholds import MODULUS_CALIBRATED, TENDON_MODULUS_PRIOR
+from coast_cli.diagnosis.joint.build import FROM_DATA_SHEETS
+from coast_cli.diagnosis.thresholds import AGREE_SIGMA, MODULUS_CALIBRATED, TENDON_MODULUS_PRIOR
 from coast_cli.effects.library.load_cell_scale import LoadCellScale
 
 if TYPE_CHECKING:
@@ -52,6 +53,17 @@ def same_factor_words(problem: JointProblem, base: Fit) -> str:
     """Return what the configured moduli would have to be off by without a fault of the load cell."""
     tubes, tendon = (100.0 * np.expm1(_shifts(problem, base)[name][0]) for name in _BOTH)
     return f"without it the modulus of the tubes would be {tubes:+.0f} % and that of the tendon {tendon:+.0f} % off"
+
+
+def off_data_sheet(problem: JointProblem, fitted: Fit) -> str:
+    """Return which number of a data sheet a fit needs to be off by more than chance, and by how much; empty where none."""
+    said = []
+    for parameter, coordinate in zip(problem.base, fitted.coordinates, strict=True):
+        pull = abs(coordinate - parameter.inner) / parameter.prior
+        if parameter.name in FROM_DATA_SHEETS and pull > AGREE_SIGMA:
+            value = f"{parameter.outer(coordinate):.3g} instead of {parameter.value:.3g}"
+            said.append(f"{parameter.name} would be {value}, {pull:.1f} standard deviations from its data sheet")
+    return "; ".join(said)
 
 
 def strained(problem: JointProblem, fitted: Fit) -> list[str]:
