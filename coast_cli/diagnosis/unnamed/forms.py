@@ -51,11 +51,11 @@ _ENTERS_AGAINST: Mapping[Place, str] = {
 }
 _LABELS_AGAINST: Mapping[Place, str] = {
     "drive": "play, to either side",
-    "tendon": "friction of the stretch, to either side",
-    "transmission": "ln of the tension ratio, against the motion",
-    "structure": "moment / EI against the motion",
-    "sensor": "play of the response, to either side",
-    "load_cell": "play of the reading, to either side",
+    "tendon": "stretch, to either side",
+    "transmission": "ln of ratio, against motion",
+    "structure": "moment / EI against motion",
+    "sensor": "play, to either side",
+    "load_cell": "play, to either side",
 }
 _LABELS: Mapping[Place, str] = {
     "drive": "added stroke",

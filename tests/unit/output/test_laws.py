@@ -38,7 +38,7 @@ def test_the_page_holds_sentence_equation_and_a_table_of_each_curve(answer):
     assert max(map(len, page.splitlines())) <= 80
     assert "dissipates 12 uJ in a loop to 4 mm and back" in flat
     assert "M -> M + EI*g on load, M - EI*g on release, g = " in flat
-    assert "kappa (1/m) moment / EI against the motion (1/m) 90 % from to" in flat
+    assert "kappa (1/m) moment / EI against motion (1/m) 90 % from to" in flat
     assert "t (s) added stroke (mm)" in flat
     assert "its band is not known" in flat
 
@@ -69,5 +69,5 @@ def test_the_picture_names_what_is_drawn_with_units():
 def test_the_report_has_the_picture_and_the_table(answer):
     page = report_page(answer)
     assert "broken line: the equation" in page
-    assert "moment / EI against the motion (1/m)" in page
+    assert "moment / EI against motion (1/m)" in page
     assert "<script" not in page

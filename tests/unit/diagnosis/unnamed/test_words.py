@@ -153,3 +153,11 @@ def test_the_band_is_that_of_the_amplitudes():
     assert curve.high[-1] - curve.y[-1] == pytest.approx(1.645 * np.hypot(0.2, 0.1), rel=1e-3)
     assert curve.names()[2:] == ("90 % from", "to")
     assert drawn(law, BENT, np.full((2, 2), np.nan)).low == ()
+
+
+@pytest.mark.parametrize("place", ["drive", "tendon", "transmission", "structure", "sensor", "load_cell"])
+@pytest.mark.parametrize("memory", ["none", "friction", "relaxation"])
+def test_labels_fit_beside_a_small_picture(place, memory):
+    law = UnnamedLaw(place, "tension", memory, 1.0, 0.0, 3.0, (0.1, 0.2))
+    for display in (BENT, Display("bend"), Display("notch", driven_by_tension=True)):
+        assert len(drawn(law, display).unit) < 36
