@@ -17,6 +17,7 @@ COUNT = 120
 LENGTH = COUNT * (CUT + UNCUT)
 STEPS = 2  # of a ring or a cut
 SOFT_WIDTH = 0.3e-3
+WAVES = 3.3
 CONFIG = """
 version = 1
 [materials.nitinol]
@@ -61,6 +62,17 @@ class Bench:
     soft_at: float | None = None
     soft_angle_per_moment: float = 0.0
     extra_cut: float = 0.0
+    growth: float = 0.0  # of the natural curvature along the tube, as a share of it
+    wave: float = 0.0  # 1/m, over 3.3 waves
+    kink_at: float | None = None
+    kink_angle: float = 0.0
+    clip_at: float | None = None
+    clip_mass: float = 0.0
+
+
+def _spot(off: float) -> float:
+    """A narrow bell, 1/m, whose integral is one."""
+    return math.exp(-0.5 * (off / SOFT_WIDTH) ** 2) / SOFT_WIDTH / math.sqrt(2.0 * math.pi)
 
 
 @cache
@@ -79,19 +91,27 @@ def shape(bench: Bench, up: bool, points: int = 120) -> tuple[np.ndarray, np.nda
     ]
     side = 1.0 if up else -1.0
     total = COUNT * (UNCUT * heavy + CUT * light)
+    clip = bench.clip_mass * GRAVITY
+    clip_at = LENGTH if bench.clip_at is None else bench.clip_at
+
+    def beyond_clip(s: float) -> float:
+        return 0.5 * clip * math.erfc((s - clip_at) / SOFT_WIDTH / math.sqrt(2.0))
 
     def added(s: float) -> float:
         if bench.soft_at is None:
             return 0.0
-        off = (s - bench.soft_at) / SOFT_WIDTH
-        return bench.soft_angle_per_moment * math.exp(-0.5 * off * off) / SOFT_WIDTH / math.sqrt(2.0 * math.pi)
+        return bench.soft_angle_per_moment * _spot(s - bench.soft_at)
 
     def slope(
         s: float, compliance: float, beyond: float, angle: float, moment: float
     ) -> tuple[float, float, float, float]:
-        natural = side * (bench.natural + bench.gradient * (s - LENGTH / 2.0))
+        own = bench.natural * (1.0 + bench.growth * (s / LENGTH - 0.5)) + bench.gradient * (s - LENGTH / 2.0)
+        own += bench.wave * math.sin(WAVES * 2.0 * math.pi * s / LENGTH)
+        if bench.kink_at is not None:
+            own += bench.kink_angle * _spot(s - bench.kink_at)
+        natural = side * own
         curvature = natural - (compliance + added(s)) * moment
-        return curvature, -beyond * math.cos(angle), math.cos(angle), math.sin(angle)
+        return curvature, -(beyond + beyond_clip(s)) * math.cos(angle), math.cos(angle), math.sin(angle)
 
     def march(moment: float) -> list[tuple[float, float, float, float, float]]:
         s, angle, x, y, beyond = 0.0, bench.tilt, 0.0, 0.0, total + bench.tip_force
@@ -110,7 +130,7 @@ def shape(bench: Bench, up: bool, points: int = 120) -> tuple[np.ndarray, np.nda
             line.append((s, angle, moment, x, y))
         return line
 
-    most = total * LENGTH / 2.0 + bench.tip_force * LENGTH
+    most = total * LENGTH / 2.0 + (bench.tip_force + clip) * LENGTH
     clamped = brentq(lambda moment: march(moment)[-1][2], -most, 2.0 * most, xtol=1e-15, rtol=1e-13)
     s, _, _, x, y = np.array(march(clamped)).T
     at = np.linspace(0.0, LENGTH, points)

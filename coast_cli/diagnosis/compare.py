@@ -11,7 +11,8 @@ import numpy as np
 from coast_cli.diagnosis.joint.build import build_joint_problem
 from coast_cli.diagnosis.joint.errors import UNITS, tip_of, to_unit
 from coast_cli.diagnosis.shapes.build import build_shape_problem
-from coast_cli.recordings.noise import NoiseEstimate, Series, pooled_noise, recording_noise, run_noises
+from coast_cli.recordings.noise import NoiseEstimate, recording_noise, run_noises
+from coast_cli.recordings.shape_noise import shape_noise
 from coast_cli.recordings.summary import known_noise
 from coast_cli.rows import Drawn, Rows
 from coast_cli.units import DEGREE, MILLIMETRE
@@ -149,8 +150,8 @@ def _shape_errors(config: Config, runs: Sequence[ShapeRun]) -> list[ShapeErrors]
 
 
 def _shape_noise(shapes: Sequence[ShapeErrors]) -> NoiseEstimate:
-    """Return the noise of points along one axis, m."""
-    return pooled_noise([Series(values) for one in shapes for values in (one.run.x, one.run.y)])
+    """Return the noise of points across the line, m."""
+    return shape_noise([one.run for one in shapes])
 
 
 def _units(joint: Sequence[JointErrors], shape: Sequence[ShapeErrors]) -> set[str]:
@@ -167,8 +168,7 @@ def _row(
     levels: list[float | None] = [None, None, None]
     if noise is not None:
         found = (noise.level, *noise.interval)
-        across = float(np.sqrt(2.0)) / MILLIMETRE  # of a point, both axes
-        levels = [to_unit(joint[0].run.kind, level) if joint else across * level for level in found]
+        levels = [to_unit(joint[0].run.kind, level) if joint else level / MILLIMETRE for level in found]
     return {
         "run": name,
         "n": count,

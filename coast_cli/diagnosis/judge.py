@@ -25,6 +25,7 @@ from coast_cli.diagnosis.space import Booleans
 from coast_cli.diagnosis.spread import Spread
 from coast_cli.diagnosis.thresholds import (
     LEAST_SURE,
+    LEFT_TO_SAY,
     MAX_UNEXPLAINED_NOISE,
     MAX_UNEXPLAINED_SHARE,
     PARAMETERS_NATS,
@@ -111,6 +112,28 @@ class Case(ABC):
     @abstractmethod
     def in_unit(self, value: float) -> float:
         """Return an SI response in the unit of the answer."""
+
+    @property
+    @abstractmethod
+    def response_noise(self) -> float:
+        """The noise beside which errors stand, in the unit of tables."""
+
+    def in_widths(self, error: float | None) -> float:
+        """Return what an error, in the unit of tables, is beyond the noise, in noise widths."""
+        level = self.response_noise
+        return float(np.sqrt(max((error or 0.0) ** 2 - level**2, 0.0)) / max(level, 1e-300))
+
+    @property
+    def explains_words(self) -> str:
+        """How much is explained and how much is left on rows that were not fitted, in noise widths."""
+        levels = self.comparison
+        unseen = levels.refitted.held_out is not None
+        before = self.in_widths(levels.refitted.held_out if unseen else levels.refitted.train)
+        after = self.in_widths(levels.with_effects.held_out if unseen else levels.with_effects.train)
+        explained = float(np.sqrt(max(before**2 - after**2, 0.0)))
+        rows = "rows that were not fitted" if unseen else "the rows that were fitted, as none could be kept back"
+        left = f"{after:.1f} are left" if after > LEFT_TO_SAY else "nothing beyond the noise is left"
+        return f"explains {explained:.1f} of {before:.1f} noise widths on {rows}; {left}"
 
     @property
     def moved(self) -> str:

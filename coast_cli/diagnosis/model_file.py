@@ -47,7 +47,10 @@ def model_text(config: Config, diagnosis: Diagnosis, recordings: Recordings, nam
     }
     for key, value in (*fitted.items(), *diagnosis.model_tubes.items()):
         put_number(document, key, value)
-    found = {effect.id: _correction(effect, diagnosis.recording) for effect in diagnosis.model_effects}
+    found: dict[str, Any] = {}
+    for effect in diagnosis.model_effects:
+        key = _free_key(effect.id, {**config.corrections, **found})
+        found[key] = _correction(effect, diagnosis.recording)
     # An effect of joint and shapes alike has one table, in which each finds its own parameters.
     corrections = {
         **config.corrections,
@@ -91,11 +94,19 @@ def calibrated_text(config: Config, calibration: Calibration, recordings: Record
     return text
 
 
+def _free_key(identifier: str, taken: Mapping[str, Any]) -> str:
+    """Return the key of a correction: a law without a name does not take the place of one that is there."""
+    if not identifier.startswith("unnamed_") or identifier not in taken:
+        return identifier
+    return next(key for key in (f"unnamed_{number}" for number in range(1, 100)) if key not in taken)
+
+
 def _correction(effect: Effect, recording: RecordingKind) -> dict[str, Any]:
     """Return the table of a correction; what is not the tubes' own says on which kind of recording it was found."""
     from coast_cli.effects.unnamed import UnnamedLaw
+    from coast_cli.effects.unnamed_shape import ShapeLaw
 
-    if isinstance(effect, UnnamedLaw):
+    if isinstance(effect, UnnamedLaw | ShapeLaw):
         return effect.table()
     numbers = effect.numbers()
     values: dict[str, Any] = {p.name: float(numbers[p.name]) for p in effect.parameters_on(recording)}

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coast_cli.mechanics.section import FloatArray
+from coast_cli.recordings.noise import NoiseEstimate
 
 Integers = NDArray[np.int64]
 
@@ -134,3 +135,14 @@ def _correlation(lag: Integers, parameter: float, kernel: Kernel) -> FloatArray:
     if kernel == "rough":
         return np.asarray(parameter**lag)
     return np.exp(-0.5 * (lag / parameter) ** 2)
+
+
+def nearest_colour(estimate: NoiseEstimate) -> int:
+    """Return the noise model's colour that is nearest to an estimate."""
+    wanted = estimate.correlation, 1.0 - estimate.white_share if estimate.memory > 0.0 else 0.0
+    memory = estimate.memory
+    distance = [
+        abs(m * (1.0 - w) - wanted[0]) + 0.3 * abs((1.0 - w) - wanted[1]) * (m > 0.0) + 0.1 * abs(m - memory)
+        for m, w in NOISE_COLOURS
+    ]
+    return int(np.argmin(distance))

@@ -176,6 +176,7 @@ ENDS_EARLY_NATS = Threshold(3.0, "nats", "that a trace pays which ends before th
 MOMENT_NATS = Threshold(
     10.0, "nats", "that one more moment of lost steps must explain: one row in some hundreds", _REASON
 )
+OWN_FORM_NATS = Threshold(24.0, "nats", "by which a law must be ahead of a name that stands at its stage", _REASON)
 
 # The odds that a joint's names are right: log odds, less a weight times each figure that speaks against them.
 ODDS_CONSTANT = Threshold(3.15, "log odds", "of names against which nothing speaks", _PILOT)
@@ -189,6 +190,12 @@ ODDS_NAMES = Threshold(1.04, "log odds", "of a set of names", _PILOT)
 ODDS_DOUBT = Threshold(1.38, "log odds", "a unit of the noise level's standard deviation of logarithm", _PILOT)
 MODULUS_CALIBRATED = Threshold(
     0.03, "of its logarithm", "to which a configured modulus is known, as calibrations repeat", _REASON
+)
+DOUBTED_NAMES = Threshold(
+    0.5,
+    "",
+    "probability that no name of a shape exceeds where a law was ahead of it that unseen points do not show",
+    _REASON,
 )
 
 ALL: dict[str, Threshold] = {name: value for name, value in list(globals().items()) if isinstance(value, Threshold)}

@@ -16,10 +16,12 @@ from coast_cli.effects.library.camera_scale import CameraScale
 from coast_cli.effects.library.camera_tilt import CameraTilt
 from coast_cli.effects.library.capstan_hysteresis import CapstanHysteresis
 from coast_cli.effects.library.chord_section import ChordSection
+from coast_cli.effects.library.clipped_weight import ClippedWeight
 from coast_cli.effects.library.coulomb_friction import CoulombFriction
 from coast_cli.effects.library.distributed_notch_friction import DistributedNotchFriction
 from coast_cli.effects.library.frozen_frames import FrozenFrames
 from coast_cli.effects.library.gravity import Gravity
+from coast_cli.effects.library.kink import Kink
 from coast_cli.effects.library.leadscrew_pitch_error import LeadscrewPitchError
 from coast_cli.effects.library.lens_distortion import LensDistortion
 from coast_cli.effects.library.load_cell_offset import LoadCellOffset
@@ -68,6 +70,8 @@ CATALOGUE: dict[str, type[Effect]] = {
         NotchEndEffect,
         PrecurvatureGradient,
         LocalStiffnessDefect,
+        Kink,
+        ClippedWeight,
         RollMisalignment,
         NeutralAxisOffset,
         BaseTilt,
@@ -124,7 +128,8 @@ def build_effects(corrections: Mapping[str, Correction], recording: RecordingKin
     effects: list[Effect] = []
     for identifier, values in corrections.items():
         if identifier.startswith("unnamed_"):
-            effects += [unnamed_law(identifier, values)] if recording == "joint" else []
+            law = unnamed_law(identifier, values)
+            effects += [law] if recording in law.recordings else []
         elif identifier in known:
             own = own_values(known[identifier], values, recording)
             effects += [known[identifier](**own)] if own else []

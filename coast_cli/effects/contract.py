@@ -154,7 +154,7 @@ def _of_shapes(effect: Effect, *, changed: bool) -> FloatArray:
     if changed and isinstance(effect, stages.OnTubes):
         tube = effect.geometry(tube)
     cut = tube.segments
-    pieces = shape_stages.Pieces(cut.length, cut.rigidity, cut.weight, np.zeros(120), np.zeros(120))
+    pieces = shape_stages.Pieces(cut.length, cut.rigidity, cut.weight, np.zeros(120), np.zeros(120), np.ones(120))
     if changed and isinstance(effect, shape_stages.OnPieces):
         pieces = effect.pieces(pieces)
     loads = shape_stages.Loads()

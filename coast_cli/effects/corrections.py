@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 from coast_cli.effects.effect import Effect, RecordingKind
 from coast_cli.effects.unnamed import DamagedLaw, UnnamedLaw
+from coast_cli.effects.unnamed_shape import Law, ShapeLaw
 from coast_cli.errors import nearest
 
 Correction = Mapping[str, float | str | Sequence[float]]
@@ -77,12 +78,14 @@ def _value_faults(effect: str, values: Correction, ranges: Mapping[str, tuple[fl
             yield Fault((effect, name), "not allowed", float(value), f"from {low:g} to {high:g}")
 
 
-def unnamed_law(effect: str, values: Correction) -> UnnamedLaw:
-    """Return the law of a table ``unnamed_N``.
+def unnamed_law(effect: str, values: Correction) -> Law:
+    """Return the law of a table ``unnamed_N``: of shapes where its ``recording`` says so, else of joints.
 
     Raises:
         DamagedLaw: the table is damaged; the message says how.
     """
+    if values.get("recording") == "shapes":
+        return ShapeLaw.from_table(values, int(effect[-1]))
     return UnnamedLaw.from_table({k: v for k, v in values.items() if k != "recording"}, int(effect[-1]))
 
 

@@ -26,6 +26,11 @@ BY_TUBE = Parameter(
     "by_tube", 0.0, 0.0, 1.0, (0.0, 1.0), "1: each tube's own differs from it by a few per cent", role="by_tube"
 )
 
+# Natural curvature that an effect is in proportion to, tube by tube; chosen in the same way.
+OF_CURVATURE = Parameter("of_per_m", 0.0, 0.0, 1000.0, (0.0,), "0: the same on every tube", role="found")
+_SPOTS = 12
+_SPREAD = 1.2  # mm to either side, over which what sits in one place is spread
+
 
 @dataclass(frozen=True, slots=True)
 class Pieces:
@@ -34,7 +39,7 @@ class Pieces:
     Attributes:
         length: m. rigidity: flexural, N m^2. weight: mass per length, kg/m.
         natural: curvature added to the tube's own, on the side to which that points, 1/m.
-        offset: of the strip's axis from the tube's, m; 0 on rings.
+        offset: of the strip's axis from the tube's, m; 0 on rings. own: factor on the tube's own natural curvature.
     """
 
     length: FloatArray
@@ -42,6 +47,7 @@ class Pieces:
     weight: FloatArray
     natural: FloatArray
     offset: FloatArray
+    own: FloatArray
 
     @property
     def middle(self) -> FloatArray:
@@ -76,6 +82,7 @@ class Photographed:
     Attributes:
         tubes: number (as in ``TUBE``) and name of every tube photographed. alone: numbers of those seen outside a pair.
         length: of the longest, m. weight: of the heaviest, N. pairs: whether there is an assembled pair.
+        natural: the largest natural curvature of the tubes, 1/m, as a size.
     """
 
     tubes: Mapping[int, str]
@@ -83,11 +90,26 @@ class Photographed:
     length: float
     weight: float
     pairs: bool
+    natural: float = 0.0
 
     @property
     def scales(self) -> Mapping[Scale, float]:
         """What the starts of a parameter may be multiples of."""
         return {"": 1.0, "weight": self.weight / MILLINEWTON, "gradient": MILLIMETRE / self.length}
+
+
+def spots(seen: Photographed) -> list[float]:
+    """Return arc lengths (mm) all along the tube from which a place is looked for."""
+    found: list[float] = ((np.arange(_SPOTS) + 0.5) / _SPOTS * seen.length / MILLIMETRE).tolist()
+    return found
+
+
+def hump(pieces: Pieces, arc_length_mm: float) -> FloatArray:
+    """Return a triangle round an arc length as its mean over each piece, 1/m; its integral along the tube is one."""
+    ends = np.concatenate(([0.0], np.cumsum(pieces.length)))
+    off = np.clip((ends - arc_length_mm * MILLIMETRE) / (_SPREAD * MILLIMETRE), -1.0, 1.0)
+    below = np.where(off < 0.0, 0.5 * (1.0 + off) ** 2, 1.0 - 0.5 * (1.0 - off) ** 2)
+    return np.asarray(np.diff(below) / pieces.length)
 
 
 class OnShapes(Effect):
@@ -129,6 +151,11 @@ class OnShapes(Effect):
         if not seen.alone:
             return []
         return [0.0, *sorted(map(float, seen.alone))] if len(seen.tubes) > 1 else [0.0]
+
+    @classmethod
+    def each(cls, seen: Photographed) -> list[float]:
+        """Return the tubes one of which has it: each that was photographed alone."""
+        return sorted(map(float, seen.alone)) if len(seen.tubes) > 1 else [0.0] * len(seen.alone)
 
     @classmethod
     def starts(cls, seen: Photographed) -> list[Self]:

@@ -9,7 +9,8 @@ import numpy as np
 
 from coast_cli.errors import UsageError
 from coast_cli.recordings.evidence import RATES_DIFFER, Evidence, evidence_of
-from coast_cli.recordings.noise import NoiseEstimate, Series, pooled_noise, recording_noise, run_noises
+from coast_cli.recordings.noise import NoiseEstimate, recording_noise, run_noises
+from coast_cli.recordings.shape_noise import shape_noise
 from coast_cli.units import DEGREE, MILLIMETRE
 
 if TYPE_CHECKING:
@@ -91,7 +92,7 @@ def _joint_row(run: JointRun, noise: NoiseEstimate) -> Row:
 
 
 def _shape_row(run: ShapeRun) -> Row:
-    noise = pooled_noise([Series(run.x), Series(run.y)])
+    noise = shape_noise([run])
     row: Row = dict.fromkeys(_joint_names())
     row |= {
         "run": run.name,

@@ -334,11 +334,11 @@ def _record(
 
 
 def _where(scene: Scene, names: list[str]) -> list[dict[str, object]]:
-    if not names or (names[0] in SHAPE_OUTSIDE and names[0] != "kink"):
+    if not names or names[0] in SHAPE_OUTSIDE:
         return []
     values = scene.effects[names[0]]
     tube = tubes_of(scene.robot, scene.runs[0])[0]
-    if names[0] in ("local_stiffness_defect", "kink"):
+    if names[0] == "local_stiffness_defect":
         cell = int(values["at_share"] * tube.count)
         low = cell * tube.pitch * 1e3
         return [

@@ -150,14 +150,14 @@ SHAPE_SENSOR: dict[str, ShapeRecipe] = {
     ),
 }
 SHAPE_OUTSIDE: dict[str, ShapeRecipe] = {
-    "kink": ShapeRecipe(
+    "late_heat_set": ShapeRecipe(
         "outside",
         "outside",
         lambda r: single_tubes(r) and tube_count(r) == 1,
-        lambda g: {"at_share": g.uniform(0.15, 0.7), "angle_deg": _sign(g) * g.uniform(1, 8)},
-        "angle_deg",
-        (0.1, 20),
-        ("local_stiffness_defect",),
+        lambda g: {"growth_per_m": _sign(g) * g.uniform(2, 12), "from_share": g.uniform(0.15, 0.6)},
+        "growth_per_m",
+        (0.2, 40),
+        ("precurvature_gradient",),
     ),
     "wavy_heat_set": ShapeRecipe(
         "outside",

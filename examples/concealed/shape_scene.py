@@ -139,10 +139,9 @@ def photograph(scene: Scene, run: ShapeRun) -> Array:
         natural = natural + flip * wavy["amplitude_per_m"] * np.sin(
             2 * np.pi * wavy["waves"] * s / total + wavy["phase_rad"]
         )
-    if kink := effects.get("kink"):
-        at = int(kink["at_share"] * length.size)
-        natural = natural.copy()
-        natural[at] += flip * np.radians(kink["angle_deg"]) / length[at]
+    if late := effects.get("late_heat_set"):
+        beyond = np.maximum(s / total - late["from_share"], 0.0) / (1.0 - late["from_share"])
+        natural = natural + flip * late["growth_per_m"] * beyond**1.5
     if coat := effects.get("half_coated"):
         weight = weight * (1 + coat["extra_weight"] * (s > coat["from_share"] * total))
     weight = weight * effects.get("gravity", {}).get("in_plane", 1.0)

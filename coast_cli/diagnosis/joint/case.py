@@ -21,7 +21,7 @@ from coast_cli.diagnosis.joint.openworld import OpenWorld
 from coast_cli.diagnosis.joint.problem import CONFIG_KEYS, JointProblem
 from coast_cli.diagnosis.joint.structure import Structure, find_structure
 from coast_cli.diagnosis.joint.told import display_of, known_of, laws_of, parting
-from coast_cli.diagnosis.joint.unseen import Unseen, foretold, runs_against_the_rest, strangers
+from coast_cli.diagnosis.joint.unseen import foretold, runs_against_the_rest, strangers
 from coast_cli.diagnosis.joint.witness import strained
 from coast_cli.diagnosis.joint.words import (
     SAME_SWEEP_AGAIN,
@@ -45,7 +45,6 @@ from coast_cli.diagnosis.thresholds import (
     FAR_ABOVE_NOISE,
     FLOOR_DOUBT,
     HARM,
-    LEFT_TO_SAY,
     MAX_HELD_OUT_SHARE,
     MAX_UNEXPLAINED_SHARE,
     MAX_UNEXPLAINED_SHARE_OF_SETS,
@@ -55,6 +54,7 @@ from coast_cli.diagnosis.thresholds import (
 )
 from coast_cli.diagnosis.unnamed.search import LawFit
 from coast_cli.diagnosis.unnamed.words import Description, describe
+from coast_cli.diagnosis.unseen import Unseen
 from coast_cli.effects.library.frozen_frames import FrozenFrames
 from coast_cli.effects.unnamed import UnnamedLaw
 from coast_cli.mechanics.section import FloatArray
@@ -142,22 +142,10 @@ class JointCase(Case):
         known = known_of(self.problem, shown, errors)
         return describe([laws_of(shown.effects), *others], display_of(self.problem), nearest, known)
 
-    def in_widths(self, error: float | None) -> float:
-        """Return what an error, in the unit of tables, is beyond the noise, in noise widths."""
-        level = self.in_unit(self.problem.noise_estimate.level)
-        return float(np.sqrt(max((error or 0.0) ** 2 - level**2, 0.0)) / max(level, 1e-300))
-
     @property
-    def explains_words(self) -> str:
-        """How much is explained and how much is left on rows that were not fitted, in noise widths."""
-        levels = self.comparison
-        unseen = levels.refitted.held_out is not None
-        before = self.in_widths(levels.refitted.held_out if unseen else levels.refitted.train)
-        after = self.in_widths(levels.with_effects.held_out if unseen else levels.with_effects.train)
-        explained = float(np.sqrt(max(before**2 - after**2, 0.0)))
-        rows = "rows that were not fitted" if unseen else "the rows that were fitted, as none could be kept back"
-        left = f"{after:.1f} are left" if after > LEFT_TO_SAY else "nothing beyond the noise is left"
-        return f"explains {explained:.1f} of {before:.1f} noise widths on {rows}; {left}"
+    def response_noise(self) -> float:
+        """The noise beside which errors stand, in the unit of tables."""
+        return self.in_unit(self.problem.noise_estimate.level)
 
     @property
     def missed_words(self) -> str:

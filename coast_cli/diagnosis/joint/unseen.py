@@ -3,38 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
-from scipy.special import chdtrc
 
-from coast_cli.diagnosis.fit import Fit, fit, rms
+from coast_cli.diagnosis.fit import Fit, fit
 from coast_cli.diagnosis.joint.problem import JointProblem
 from coast_cli.diagnosis.space import Booleans, inverse
-from coast_cli.diagnosis.thresholds import FEWEST_IN_REGION, MOST_UNSEEN_NOISE, UNSEEN_DOUBT
+from coast_cli.diagnosis.thresholds import MOST_UNSEEN_NOISE
+from coast_cli.diagnosis.unseen import Unseen, judge_unseen, stretch_of
 from coast_cli.effects.unnamed import UnnamedLaw
 from coast_cli.mechanics.section import FloatArray
 
-_MOST_CORRELATION = 0.95
 _MOST_SUSPECTS = 3
-
-
-@dataclass(frozen=True, slots=True)
-class Unseen:
-    """Rows that a fit has not seen: the error, and what is allowed, both in noise widths; and over how many rows.
-
-    ``p_value`` is the chance of a larger error, were all noise, doubt and small misfit that are granted there.
-    """
-
-    error: float
-    allowed: float
-    count: int
-    p_value: float
-
-    @property
-    def passed(self) -> bool:
-        """Whether the rows lie where noise and the fit's own doubt let expect them."""
-        return self.count < FEWEST_IN_REGION or self.error <= self.allowed
 
 
 def foretold(problem: JointProblem, fitted: Fit, rows: Sequence[Booleans]) -> Unseen:
@@ -98,23 +79,12 @@ def runs_against_the_rest(problem: JointProblem, fitted: Fit) -> dict[str, Unsee
 
 def _stretch(problem: JointProblem) -> float:
     """Return by how much coloured noise makes variances of parameters larger than white noise does."""
-    correlation = float(np.clip(problem.noise_estimate.correlation, 0.0, _MOST_CORRELATION))
-    return (1.0 + correlation) / (1.0 - correlation)
+    return stretch_of(problem.noise_estimate.correlation)
 
 
 def _judged(problem: JointProblem, residual: FloatArray, slopes: FloatArray, covariance: FloatArray) -> Unseen:
-    level = max(problem.highest_floor, 1e-15)  # a run of slow noise is no fault: all of it is granted
-    doubt = float(np.sqrt(max(float(np.mean(np.einsum("ij,jk,ik->i", slopes, covariance, slopes))), 0.0)))
-    chance = _stretch(problem) / max(residual.size, 1)
-    allowed = MOST_UNSEEN_NOISE * (1.0 + np.sqrt(2.0 * chance))
-    error = rms(residual) / level
-    granted = np.hypot(MOST_UNSEEN_NOISE, doubt / level)
-    return Unseen(
-        error,
-        float(np.hypot(allowed, UNSEEN_DOUBT * doubt / level)),
-        residual.size,
-        float(chdtrc(1.0 / chance, (error / granted) ** 2 / chance)),
-    )
+    """Return what unseen rows say; a run of slow noise is no fault, so all of it is granted."""
+    return judge_unseen(residual, slopes, covariance, problem.highest_floor, _stretch(problem))
 
 
 def _residual_and_slopes(problem: JointProblem, fitted: Fit) -> tuple[FloatArray, FloatArray]:

@@ -141,7 +141,7 @@ class Forward:
             pieces = self._tube_pieces(number, tube, state)
             stiff = state.modulus[number] * pieces.rigidity[own]
             side = photograph.upward if place == 0 else -photograph.upward
-            curved = stiff * side * (state.natural[number] + pieces.natural[own])
+            curved = stiff * side * (state.natural[number] * pieces.own[own] + pieces.natural[own])
             rigidity += stiff
             weight += pieces.weight[own]
             natural += curved * np.cos(loads.roll) if place else curved
@@ -267,7 +267,8 @@ def _pieces_of(tube: NotchedTube, effects: Sequence[OnShapes]) -> Pieces:
     segments = tube.segments
     offset = np.zeros(segments.length.size)
     offset[1::2] = tube.notch.neutral_axis
-    pieces = Pieces(segments.length, segments.rigidity, segments.weight, np.zeros(segments.length.size), offset)
+    none = np.zeros(segments.length.size)
+    pieces = Pieces(segments.length, segments.rigidity, segments.weight, none, offset, none + 1.0)
     for local in acting(effects, OnPieces):
         pieces = local.pieces(pieces)
     return pieces

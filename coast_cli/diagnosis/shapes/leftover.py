@@ -16,7 +16,6 @@ from coast_cli.diagnosis.noise_model import NoiseBank
 from coast_cli.diagnosis.shapes.problem import ShapeProblem
 from coast_cli.diagnosis.thresholds import POINTS_ABOVE_NOISE, POINTS_REPEAT, SMOOTHER_NATS
 from coast_cli.mechanics.section import FloatArray
-from coast_cli.recordings.noise import NoiseEstimate, Series, pooled_noise
 
 _SMOOTHED = 12
 
@@ -28,17 +27,6 @@ class LeftoverShape:
     size: float
     smooth: float
     repeats: float
-
-
-def points_noise(problem: ShapeProblem, fitted: Fit) -> NoiseEstimate:
-    """Return the noise of the points across the line, m: what no smooth curve through the residuals can hold."""
-    series = []
-    for photograph, rows, (across, _) in zip(problem.photographs, problem.slices, problem.rows, strict=True):
-        values = np.full(len(photograph.run), np.nan)
-        values[across] = fitted.residual[rows][: int(across.sum())]
-        if across.any():
-            series.append(Series(values))
-    return pooled_noise(series)
 
 
 def find_leftover(problem: ShapeProblem, fitted: Fit, floor: float, *, sure: bool) -> LeftoverShape:

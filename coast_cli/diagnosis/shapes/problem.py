@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coast_cli.diagnosis.fit import Fit
-from coast_cli.diagnosis.noise_model import NoiseBank
+from coast_cli.diagnosis.noise_model import NoiseBank, nearest_colour
 from coast_cli.diagnosis.problem import Channel, Contender, Effort, Variant
 from coast_cli.diagnosis.shapes.forward import Forward, Job, State, missed_by
 from coast_cli.diagnosis.shapes.photograph import Photograph
@@ -41,6 +41,7 @@ from coast_cli.effects.shape_stages import OnPair, OnShapes, Photographed
 from coast_cli.effects.stages import OnTubes
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.mechanics.tube import NotchedTube
+from coast_cli.recordings.noise import NoiseEstimate
 from coast_cli.units import GIGAPASCAL, MILLIMETRE
 
 _REACH = 8.0  # prior widths that one step of a fit may go
@@ -82,7 +83,8 @@ class ShapeProblem:
         modulus, natural: Pa, and natural curvature towards its own side, 1/m, as configured, by tube number.
         stock: every tube of the configuration, photographed or not, by its number, with its table there.
         fixed_effects: corrections that the configuration already carries.
-        noise: of the points, m. concealed: ids of effects that are neither named nor rivals.
+        noise: of the points, m, generous by its own uncertainty. concealed: ids of effects that are neither named nor rivals.
+        estimate: of the noise; None before it is made.
     """
 
     forward: Forward
@@ -94,6 +96,27 @@ class ShapeProblem:
     fixed_effects: tuple[OnShapes, ...]
     noise: float = 1e-4
     concealed: frozenset[str] = frozenset()
+    estimate: NoiseEstimate | None = None
+
+    @property
+    def level(self) -> float:
+        """The noise of the points itself, m."""
+        return self.noise if self.estimate is None else max(self.estimate.level, 1e-15)
+
+    @property
+    def correlation(self) -> float:
+        """Of the noise between neighbouring points."""
+        return 0.0 if self.estimate is None else self.estimate.correlation
+
+    @property
+    def colour(self) -> int:
+        """The noise model's colour that is nearest to that of the points."""
+        return 0 if self.estimate is None else nearest_colour(self.estimate)
+
+    @property
+    def doubt(self) -> float:
+        """Standard deviation of the logarithm of the noise."""
+        return 0.0 if self.estimate is None else float(np.nan_to_num(self.estimate.log_level_std, posinf=10.0))
 
     @property
     def recording(self) -> RecordingKind:
@@ -128,6 +151,7 @@ class ShapeProblem:
             length=max(photograph.length for photograph in self.photographs),
             weight=max(*weights, 1e-12),
             pairs=any(photograph.is_pair for photograph in self.photographs),
+            natural=max((abs(self.natural[number]) for number in tubes), default=0.0),
         )
 
     @cached_property

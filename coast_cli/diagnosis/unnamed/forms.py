@@ -13,6 +13,7 @@ import numpy as np
 
 from coast_cli.effects.seen import UNITS
 from coast_cli.effects.unnamed import Place, UnnamedLaw, Variable
+from coast_cli.effects.unnamed_shape import Law
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.units import DEGREE
 
@@ -20,7 +21,7 @@ from coast_cli.units import DEGREE
 HOLDS_TO = 0.1
 _POINTS = 121
 _TABLE = 7
-_WIDTH_90 = 1.6448536269514722  # standard deviations on either side of 90 % of a normal distribution
+WIDTH_90 = 1.6448536269514722  # standard deviations on either side of 90 % of a normal distribution
 _NOTHING = 1e-9  # of its largest value, below which the variable is zero
 _STEP = 1e-4  # relative, of a setting
 _LEAST_TERM = 5e-3  # of the largest term, below which a term is not printed
@@ -111,7 +112,7 @@ class Curve:
             itself. enters: what the law does to its stage. form: a short equation, or None where none holds.
     """
 
-    law: UnnamedLaw
+    law: Law
     x: tuple[float, ...]
     y: tuple[float, ...]
     low: tuple[float, ...]
@@ -136,7 +137,7 @@ class Curve:
         return (self.axis, self.unit, "90 % from", "to") if self.low else (self.axis, self.unit)
 
 
-def curve_of(law: UnnamedLaw) -> tuple[FloatArray, FloatArray]:
+def curve_of(law: Law) -> tuple[FloatArray, FloatArray]:
     """Return the remembered variable over the range that was seen, SI, and what the law adds there, each (n,)."""
     low, high = (0.0, law.setting) if law.memory == "period" else (law.low, law.high)
     along = np.linspace(low, high, _POINTS)
@@ -152,7 +153,7 @@ def drawn(law: UnnamedLaw, display: Display, covariance: FloatArray | None = Non
     """
     along, values = curve_of(law)
     (symbol, per, scale), (unit, size) = display.axis(law), display.amplitude(law)
-    half = None if covariance is None else _WIDTH_90 * _deviation(law, along, covariance) / size
+    half = None if covariance is None else WIDTH_90 * law_deviation(law, along, covariance) / size
     known = half is not None and bool(np.all(np.isfinite(half)))
     x, y = along / scale, values / size
     low, high = np.zeros(0), np.zeros(0)
@@ -196,7 +197,7 @@ def equation(curve: Curve) -> str:
     return ", ".join(parts)
 
 
-def typed(law: UnnamedLaw, symbol: str = "x", scale: float = 1.0, size: float = 1.0) -> Form | None:
+def typed(law: Law, symbol: str = "x", scale: float = 1.0, size: float = 1.0) -> Form | None:
     """Return the shortest form that misses the curve by less than a tenth, or None.
 
     Args:
@@ -230,7 +231,7 @@ Columns = Callable[[FloatArray, tuple[float, ...]], FloatArray]
 Text = Callable[[FloatArray, tuple[float, ...]], str]
 
 
-def _wave(law: UnnamedLaw, symbol: str, scale: float, size: float) -> str:
+def _wave(law: Law, symbol: str, scale: float, size: float) -> str:
     period = law.setting / scale
     terms = []
     for place, weight in enumerate(law.weights):
@@ -321,7 +322,7 @@ def _remembered(law: UnnamedLaw, symbol: str, display: Display) -> tuple[str, st
     return (symbol, f"d{drive}/dt") if law.variable == "rate" else (symbol, "")
 
 
-def _deviation(law: UnnamedLaw, along: FloatArray, covariance: FloatArray) -> FloatArray:
+def law_deviation(law: Law, along: FloatArray, covariance: FloatArray) -> FloatArray:
     """Return the standard deviation of what a law adds at values of its remembered variable, (n,), to first order."""
     slopes = [law.basis(along)]
     if len(law.values()) > len(law.weights):

@@ -16,8 +16,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from coast_cli.diagnosis.fit import Fit
-from coast_cli.diagnosis.noise_model import NOISE_COLOURS
+from coast_cli.diagnosis.noise_model import nearest_colour
 from coast_cli.diagnosis.unnamed.cells import Cell, Scene, cells_of
+from coast_cli.diagnosis.unnamed.evidence import linear_evidence, orthonormal
 from coast_cli.effects.effect import Effect, History, Segment
 from coast_cli.effects.stages import OnBranches, OnDrive, OnLoadCell, OnSensor, OnStructure, OnTransmission
 from coast_cli.effects.unnamed import Place
@@ -29,8 +30,6 @@ if TYPE_CHECKING:
     from coast_cli.diagnosis.joint.problem import JointProblem
 
 DRAWS = 200
-# Sizes of a law, in noise widths, over which its prior is spread.
-AMPLITUDES = (1.0, 4.0, 16.0, 64.0)
 _LARGEST_SPREAD = 0.7  # of ln of the noise level, that a bootstrap draws
 _PROBES: dict[Place, float] = {
     "drive": 1e-3,
@@ -140,14 +139,7 @@ class Screened:
 
 def noise_colour(problem: JointProblem) -> int:
     """Return the noise model's colour that is nearest to what the recording itself shows."""
-    estimate = problem.noise_estimate
-    wanted = estimate.correlation, 1.0 - estimate.white_share if estimate.memory > 0.0 else 0.0
-    memory = estimate.memory
-    distance = [
-        abs(m * (1.0 - w) - wanted[0]) + 0.3 * abs((1.0 - w) - wanted[1]) * (m > 0.0) + 0.1 * abs(m - memory)
-        for m, w in NOISE_COLOURS
-    ]
-    return int(np.argmin(distance))
+    return nearest_colour(problem.noise_estimate)
 
 
 def screen_laws(problem: JointProblem, fitted: Fit, *, draws: int = DRAWS, seed: int = 0) -> Screened:
@@ -192,7 +184,7 @@ class CellDesign:
         self.cells = list(cells_of(scene))
         gains = {place: self._gain(fitted, place) for place in {cell.place for cell in self.cells}}
         size = problem.observed.size
-        self._basis = _orthonormal(self.white((fitted.jacobian[:size], fitted.jacobian[size:])))
+        self._basis = orthonormal(self.white((fitted.jacobian[:size], fitted.jacobian[size:])))
         residual = self.white(
             (
                 (problem.observed - self.origin[0])[:, np.newaxis],
@@ -221,28 +213,7 @@ class CellDesign:
 
     def evidence(self, residuals: FloatArray) -> tuple[FloatArray, list[FloatArray]]:
         """Return for residuals (n, b) the evidence of every cell, (c, b), and the amplitudes for the first of them."""
-        residuals = self._rest(residuals)
-        products = self._columns.T @ residuals
-        found, weights = np.zeros((len(self.cells), residuals.shape[1])), []
-        for index, part in enumerate(self._slices):
-            columns, norms = self._columns[:, part], np.where(self._norms[part] > 0.0, self._norms[part], 1.0)
-            gram = columns.T @ columns
-            best, kept = np.full(residuals.shape[1], -np.inf), np.zeros(part.stop - part.start)
-            for amplitude in AMPLITUDES:
-                width = amplitude / norms / (1.0 + np.arange(norms.size))
-                width = np.where(self._norms[part] > 0.0, width, 0.0)
-                scaled = gram * np.outer(width, width)
-                values, vectors = np.linalg.eigh(scaled)
-                values = np.maximum(values, 0.0)
-                along = vectors.T @ (width[:, np.newaxis] * products[part])
-                nats = 0.5 * np.sum(along**2 / (1.0 + values)[:, np.newaxis], axis=0)
-                nats -= 0.5 * float(np.sum(np.log1p(values)))
-                if nats[0] > best[0]:
-                    kept = width * (vectors @ (along[:, 0] / (1.0 + values)))
-                best = np.maximum(best, nats)
-            found[index] = best
-            weights.append(kept)
-        return found, weights
+        return linear_evidence(self._columns, self._norms, self._slices, self._rest(residuals))
 
     def _rest(self, columns: FloatArray) -> FloatArray:
         return np.asarray(columns - self._basis @ (self._basis.T @ columns))
@@ -263,13 +234,3 @@ class CellDesign:
 
 def _stacked(parts: Sequence[FloatArray], count: int) -> FloatArray:
     return np.concatenate(parts) if parts else np.zeros((0, count))
-
-
-def _orthonormal(columns: FloatArray) -> FloatArray:
-    """Return an orthonormal basis of the directions that columns (n, q) see."""
-    norms = np.linalg.norm(columns, axis=0)
-    seen = columns[:, norms > 0.0] / norms[norms > 0.0]
-    if seen.shape[1] == 0:
-        return np.zeros((columns.shape[0], 0))
-    left, values, _ = np.linalg.svd(seen, full_matrices=False)
-    return np.asarray(left[:, values > 1e-7 * values[0]])

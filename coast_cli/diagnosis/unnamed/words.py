@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from coast_cli.diagnosis.unnamed.forms import Curve, Display, drawn, equation
 from coast_cli.diagnosis.unnamed.trend import added_by, subject
 from coast_cli.effects.unnamed import UnnamedLaw
+from coast_cli.effects.unnamed_shape import Law
 from coast_cli.mechanics.section import FloatArray
 
 _MOST_TOLD = 3
@@ -61,7 +62,7 @@ class Description:
     parameters: Mapping[str, float]
     nearest: tuple[tuple[str, float], ...] = ()
     curves: tuple[Curve, ...] = ()
-    laws: tuple[UnnamedLaw, ...] = field(default=())
+    laws: tuple[Law, ...] = field(default=())
     energy_uj: float | None = None
     open: tuple[str, ...] = ()
 

@@ -51,9 +51,8 @@ class LocalStiffnessDefect(OnPieces):
         """Return soft spots and stiff stretches at many places, on every tube."""
         length = seen.length / MILLIMETRE
         places = (np.arange(_PLACES) + 0.5) / _PLACES * length
-        tubes = sorted(map(float, seen.alone)) if len(seen.tubes) > 1 else [0.0] * len(seen.alone)
         kinds = ((0.3, _SHORT * length), (8.0, _LONG * length))
-        return [cls(float(p), ratio, width, tube) for tube in tubes for ratio, width in kinds for p in places]
+        return [cls(float(p), ratio, width, tube) for tube in cls.each(seen) for ratio, width in kinds for p in places]
 
     @classmethod
     def widths(cls, seen: Photographed) -> np.ndarray:

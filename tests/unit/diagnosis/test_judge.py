@@ -21,7 +21,12 @@ from coast_cli.diagnosis.judge import (
     rivals_are_left,
     structure_is_left,
 )
-from coast_cli.diagnosis.shapes.judge import SHAPE_RULES, only_parameters_are_named, unseen_points_are_missed
+from coast_cli.diagnosis.shapes.judge import (
+    SHAPE_RULES,
+    names_explain_shapes,
+    only_parameters_are_named,
+    unseen_points_are_missed,
+)
 
 
 def effect(identifier, kind="physics"):
@@ -174,6 +179,6 @@ def test_rules_that_come_to_no_verdict_are_an_error():
 
 @pytest.mark.parametrize("rules", [JOINT_RULES, SHAPE_RULES])
 def test_the_last_rule_always_rules_and_every_rule_says_what_it_is(rules):
-    assert rules[-1] in (effects_are_named, names_explain)
+    assert rules[-1] in (names_explain, names_explain_shapes)
     assert all((rule.__doc__ or "").startswith("Rule: ") for rule in rules)
     assert len({rule.__name__ for rule in rules}) == len(rules)

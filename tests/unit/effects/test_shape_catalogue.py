@@ -95,7 +95,7 @@ def test_its_starts_show_and_lie_in_range(problem, effect):
 
 def test_what_sits_on_one_tube_leaves_the_others(problem):
     tilted = [e for e in effects_of("shapes").values() if TUBE in e.parameters_on("shapes")]
-    assert len(tilted) == 3
+    assert len(tilted) == 5
     for effect in tilted:
         start = next(s for s in effect.starts(problem.scene) if s.tube == 2.0)
         changed = residual(problem, start) != residual(problem)

@@ -14,6 +14,7 @@ from coast_cli.spec.load import load_config, load_config_text
 from tests.photographed_tube import LENGTH, Bench, config_text, csv_text
 
 TUBES = {"A": (0.314, 4.0), "B": (0.336, 4.0), "C": (0.280, 4.0)}
+OTHER_CURVATURES = {"A": (0.314, 4.0), "B": (0.300, 7.0), "C": (0.280, 2.5)}
 NOISE = 30e-6
 SOLID = Path(__file__).parents[3] / "validation" / "data" / "solid"
 
@@ -82,6 +83,40 @@ def test_a_soft_place_is_found_within_one_pitch(tmp_path, share):
     assert _value(found, "local_stiffness_defect", "arc_length_mm") == pytest.approx(1e3 * at, abs=0.6)
     assert found.where[0].axis == "arc_length"
     assert found.where[0].low - 0.6 < 1e3 * at < found.where[0].high + 0.6
+
+
+@pytest.mark.parametrize(("seed", "share", "mass_mg"), [(1, 0.55, 10.0), (2, 0.7, 25.0)])
+def test_a_weight_clipped_on_half_way(tmp_path, seed, share, mass_mg):
+    clipped = _both("A", clip_at=share * LENGTH, clip_mass=1e-6 * mass_mg)
+    found = _diagnosis(tmp_path, clipped + _both("B"), seed=seed, noise=0.5 * NOISE)
+    assert found.verdict == "physics"
+    assert found.effects[0].id == "clipped_weight"
+    assert _value(found, "clipped_weight", "arc_length_mm") == pytest.approx(1e3 * share * LENGTH, abs=3.0)
+    assert _value(found, "clipped_weight", "mass_mg") == pytest.approx(mass_mg, rel=0.15)
+
+
+@pytest.mark.parametrize(("seed", "share", "angle_deg"), [(1, 0.3, 3.0), (2, 0.6, -6.0)])
+def test_a_kink(tmp_path, seed, share, angle_deg):
+    kinked = _both("A", kink_at=share * LENGTH, kink_angle=np.radians(angle_deg))
+    found = _diagnosis(tmp_path, kinked, seed=seed)
+    assert [effect.id for effect in found.effects] == ["kink"]
+    assert _value(found, "kink", "arc_length_mm") == pytest.approx(1e3 * share * LENGTH, abs=1.0)
+    assert _value(found, "kink", "angle_deg") == pytest.approx(angle_deg, abs=0.3)
+    assert found.where[0].low < 1e3 * share * LENGTH + 0.6
+    assert found.where[0].high > 1e3 * share * LENGTH - 0.6
+
+
+@pytest.mark.parametrize(("seed", "growth"), [(1, 0.4), (2, -0.9)])
+def test_natural_curvature_that_grows_along_every_tube_in_proportion_to_its_own(tmp_path, seed, growth):
+    photographs = [
+        (tube, Bench(depth=depth * 1e-3, natural=natural, growth=growth), up)
+        for tube, (depth, natural) in OTHER_CURVATURES.items()
+        for up in (True, False)
+    ]
+    found = _diagnosis(tmp_path, photographs, seed=seed, config=config_text(OTHER_CURVATURES))
+    assert [effect.id for effect in found.effects] == ["precurvature_gradient"]
+    own, gradient = (_value(found, "precurvature_gradient", name) for name in ("of_per_m", "per_m_per_mm"))
+    assert gradient / own == pytest.approx(growth / (1e3 * LENGTH), rel=0.1)
 
 
 def test_a_camera_scale(tmp_path):
