@@ -11,7 +11,7 @@ from typing import Self
 
 # How numbers were set. "pilot": README of examples/concealed, `python -m examples.concealed all --seeds FIRST:LAST`.
 _PILOT = "pilot of concealed cases, examples/concealed"
-_CLEAN = "largest on clean simulated recordings, examples/concealed --level L0"
+_CLEAN = "largest on clean simulated recordings, level L0 of examples/concealed"
 _REASON = "by reason, not tuned"
 
 

@@ -55,7 +55,7 @@ def test_it_is_named_on_a_joint_and_saved_and_loaded(coast, skew, tmp_path, refe
     assert saved["recording"] == "joint"
     refused = coast("compare", model, file)
     assert refused.code == 3
-    assert "--effects FILE.py" in refused.err
+    assert "`coast guide own-effects`" in refused.err
     assert coast("compare", model, file, "--effects", skew).code == 0
 
 
