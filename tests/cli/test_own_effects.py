@@ -64,9 +64,7 @@ def test_it_is_named_on_photographs(coast, skew, tmp_path):
     for number, (name, natural) in enumerate((("A", 4.0), ("B", 9.0))):
         for up in (True, False):
             x, y = shape(Bench(natural=natural), up, points=60)
-            middle = 0.5 * (x.min() + x.max()), 0.5 * (y.min() + y.max())
-            x = x + SHEAR * (y - middle[1])
-            places = np.stack([x, y], axis=1) * 1e3 + rng.normal(0.0, 0.02, (x.size, 2))
+            places = np.stack([x + SHEAR * y, y], axis=1) * 1e3 + rng.normal(0.0, 0.02, (x.size, 2))
             run = f"{number}{'up' if up else 'down'}"
             rows += [(run, name, "up" if up else "down", f"{a:.6f}", f"{b:.6f}") for a, b in places]
     config = tmp_path / "tubes.toml"
