@@ -91,9 +91,9 @@ def test_what_no_pull_holds_has_no_value(joint):
     resting = stroke_table(
         joint, [LENGTH], curvatures=[1.0, 5.0], effects=build_effects({"precurvature": {"curvature_per_m": 3.0}})
     )
-    assert resting[0]["stroke_mm"][0] is None
-    assert resting[0]["stroke_mm"][1] > 1.2
-    assert "1 1/m" in resting[1][0]
+    assert resting.columns["stroke_mm"][0] is None
+    assert resting.columns["stroke_mm"][1] > 1.2
+    assert "1 1/m" in resting.notes[0]
     snapping = loading_branch(joint, some_of("snap_through"), LENGTH, curvature=40.0)
     assert not snapping.held.all()
     assert np.isnan(snapping.at_curvature(np.array([22.0]))[0]).all()
