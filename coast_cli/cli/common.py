@@ -104,7 +104,8 @@ def _refuse_swapped(given: Mapping[str, Any]) -> None:
     Raises:
         UsageError: saying the order.
     """
-    config, recordings = given.get("config"), given.get("recordings") or ()
-    named = [path for path in recordings if isinstance(path, Path) and path.suffix.lower() == ".toml"]
+    config = given.get("config")
+    read = [*(given.get("recordings") or ()), given.get("path"), given.get("protocol")]
+    named = [path for path in read if isinstance(path, Path) and path.suffix.lower() == ".toml"]
     if named and isinstance(config, Path) and config.suffix.lower() != ".toml":
         raise UsageError(f"{config} is not a configuration and {named[0]} is: the configuration comes first.")

@@ -29,7 +29,7 @@ def guide(
         width = max(map(len, pages))
         text = "".join(_line(f"{name:{width}}  ", _title(page)) for name, page in pages.items())
     elif topic in pages:
-        text = fitted(pages[topic], stdout_width())
+        text = fitted(pages[topic], stdout_width(), topic)
     else:
         hint = nearest(topic, pages) or "`coast guide` lists them."
         raise UsageError(f"{topic}: there is no page of that name in the guide. {hint}")

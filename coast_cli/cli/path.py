@@ -15,7 +15,7 @@ def path(
     config: ConfigArgument,
     *,
     path: Annotated[
-        str,
+        Path,
         typer.Option(
             metavar="FILE.csv", help="arc_length_mm and curvature_per_m (s_mm, kappa_per_mm), or x_mm and y_mm (z_mm)"
         ),

@@ -24,6 +24,7 @@ from coast_cli.spec.config import Checks
 from coast_cli.units import MILLIMETRE
 
 Way = Literal["load", "release", "inverse"]
+_HARDLY_BENT = 0.5  # 1/m
 LARGEST_DRIVE = 1e5  # 1/m or m: a circle smaller than any tube, a tendon longer than any
 
 
@@ -98,6 +99,9 @@ def stroke_table(
     }
     if min(bending_lengths) < joint.pitch:
         left_out = (*left_out, f"a bending length is below one pitch, {joint.pitch / MILLIMETRE:g} mm: is it in mm?")
+    bent = [value for value in curvatures if value > 0.0]
+    if bent and max(bent) < _HARDLY_BENT:
+        left_out = (*left_out, f"every curvature is below {_HARDLY_BENT:g} 1/m, a radius of metres: is it in 1/m?")
     ids = {effect.id for effect in acting}
     beyond = outside_at(
         acting,

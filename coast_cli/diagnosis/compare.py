@@ -11,6 +11,7 @@ import numpy as np
 from coast_cli.diagnosis.joint.build import build_joint_problem
 from coast_cli.diagnosis.joint.errors import UNITS, tip_of, to_unit
 from coast_cli.diagnosis.shapes.build import build_shape_problem
+from coast_cli.recordings.given import require_read
 from coast_cli.recordings.noise import NoiseEstimate, recording_noise, run_noises
 from coast_cli.recordings.shape_noise import shape_noise
 from coast_cli.recordings.summary import known_noise
@@ -111,6 +112,7 @@ def compare(config: Config, recordings: Recordings, noise: float | None = None) 
         >>> [round(value, 1) for value in found.joint[0].predicted[:, 0].tolist()]
         [3.8, 16.4, 28.9]
     """
+    require_read(config, recordings)
     known = known_noise(recordings, noise)
     joint = tuple(_joint_errors(config, recordings.joint.runs)) if recordings.joint else ()
     shape = tuple(_shape_errors(config, recordings.shape.runs)) if recordings.shape else ()

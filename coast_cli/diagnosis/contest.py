@@ -191,10 +191,10 @@ def _grow(
 ) -> list[Hypothesis]:
     """Fit the sets one effect larger than those of the frontier; put them into ``tried``, return what may grow further."""
     effort, stage = problem.effort, 0 if first else 1
-    started: dict[EffectsKey, tuple[float, Fit]] = {}
+    started: dict[EffectsKey, tuple[float, Fit, bool]] = {}
     for parent in frontier:
-        fresh: dict[EffectsKey, tuple[float, Fit]] = {}
-        promising = screen(problem, parent.fit, problem.candidates(parent.fit.effects))
+        fresh: dict[EffectsKey, tuple[float, Fit, bool]] = {}
+        promising = screen(problem, parent.fit, problem.candidates(parent.fit.effects, alone=first))
         expected = [one for one in promising[effort.fitted[stage] :] if one.candidate.expected and parent.ids]
         for one in (*promising[: effort.fitted[stage]], *expected):
             for start in one.starts:
@@ -205,15 +205,16 @@ def _grow(
                 begun = fit(problem, effects, parent.fit.coordinates, steps=effort.steps, until="rough")
                 error = plain_error(problem, begun)
                 if key not in fresh or error < fresh[key][0]:
-                    fresh[key] = error, begun
+                    fresh[key] = error, begun, one.candidate.alone
         started |= fresh
     order = sorted(started.items(), key=lambda item: item[1][0])[: effort.finished[stage]]
     grown = []
-    for place, (key, (error, begun)) in enumerate(order):
+    for place, (key, (error, begun, alone)) in enumerate(order):
         if place >= _ALWAYS_FINISHED and error > order[0][1][0] + effort.far_behind:
             break
         tried[key] = hypothesis(problem, fit(problem, begun.effects, begun.coordinates, until="fine"))
-        grown.append(tried[key])
+        if not alone:
+            grown.append(tried[key])
     return grown
 
 

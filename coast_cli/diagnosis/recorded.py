@@ -43,7 +43,9 @@ def diagnose(
         'insufficient'
     """
     from coast_cli.diagnosis.recorded_answer import RecordedDiagnosis
+    from coast_cli.recordings.given import require_read
 
+    require_read(config, recordings)
     _check_runs(recordings, hold_out)
     _check_effects(without)
     asked = Asked(tuple(hold_out), max_effects, tuple(without), _noise(recordings, noise))

@@ -39,7 +39,7 @@ def require(within: PlausibleRange, **given: Any) -> None:  # noqa: ANN401
         BadInput: naming the argument, its value and the unit that it was probably given in.
     """
     for name, values in given.items():
-        numbers = np.real(values)
+        numbers = np.real(np.asarray(values) * 1.0)
         worst = float(np.max(numbers, initial=within.low))
         if worst <= within.high:
             worst = float(np.min(numbers, initial=within.high))

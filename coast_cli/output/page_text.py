@@ -8,15 +8,23 @@ from itertools import groupby
 from textwrap import wrap
 
 _ITEM = re.compile(r"(\s*(?:[-*]|\d+\.)\s+)(.*)")
-_FENCE = "```"
+_ROW = re.compile(r"\S  +\S|─{4}")
+_FENCE, _CUT = "```", "…"
 
 
-def fitted(page: str, width: int | None) -> str:
-    """Return a page of Markdown with no line wider than ``width``; as it stands where that is None or all lines fit."""
+def fitted(page: str, width: int | None, topic: str = "") -> str:
+    """Return a page of Markdown with no line wider than ``width``; as it stands where that is None or all lines fit.
+
+    Rows that a program printed are cut, since a broken row is read by nobody; the end of the page says where they are whole.
+    """
     lines = page.splitlines()
     if width is None or max(map(len, lines), default=0) <= width:
         return page
-    return "".join(f"{line}\n" for line in _fitted(lines, width))
+    shown = list(_fitted(lines, width))
+    if any(line.endswith(_CUT) for line in shown):
+        whole = f"Rows that end in {_CUT} are cut: `coast guide {topic} > {topic}.md` has them whole."
+        shown += ["", *_wrapped(whole, width, "", "")]
+    return "".join(f"{line}\n" for line in shown)
 
 
 def _fitted(lines: list[str], width: int) -> Iterator[str]:
@@ -44,10 +52,13 @@ def _kind(line: str) -> str:
 
 
 def _broken(block: list[str], width: int) -> Iterator[str]:
-    """Break what a program printed only where it is too wide, its own spaces kept."""
+    """Cut rows of a table where they are too wide, and break other lines, their own spaces kept."""
+    console = block[0].startswith(f"{_FENCE}console")
     for line in block:
         if len(line) <= width:
             yield line
+        elif console and _ROW.search(line) and not line.startswith("$ "):
+            yield line[: width - 1] + _CUT
         else:
             lead = line[: len(line) - len(line.lstrip())][: width // 2]
             yield from _wrapped(line.lstrip(), width, lead, f"{lead}  "[: width // 2], spaces=True)

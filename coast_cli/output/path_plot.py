@@ -41,7 +41,7 @@ def plot_path(plan: PathPlan) -> Picture:
                 (x[-1] / MILLIMETRE, y[-1] / MILLIMETRE),
                 xytext=(7, -4),
                 textcoords="offset points",
-                fontsize=7,
+                fontsize=8,
             )
         axes.set(xlabel="x (mm)", ylabel="y (mm)")
         axes.set_aspect("equal", adjustable="datalim")

@@ -126,7 +126,7 @@ def require_matplotlib() -> None:
         UsageError: saying what to install.
     """
     if not can_draw():
-        raise UsageError("plots and reports need matplotlib: install coast-cli[plot].")
+        raise UsageError("plots and reports need matplotlib: pip install matplotlib.")
 
 
 def _settle(figure: Any) -> None:  # noqa: ANN401

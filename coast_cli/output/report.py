@@ -34,9 +34,7 @@ if TYPE_CHECKING:
     from coast_cli.recordings.model import Recordings
     from coast_cli.spec.config import Config
 
-NO_PICTURES = (
-    "There are no pictures, since matplotlib is not installed: `pip install 'coast-cli[plot]'` and run it again."
-)
+NO_PICTURES = "There are no pictures, since matplotlib is not installed: `pip install matplotlib` and run it again."
 
 
 SUFFIXES = (".html", ".htm", ".pdf", ".svg")

@@ -150,7 +150,8 @@ def _kind(table: Table, found: list[Column], wrong: list[tuple[str, str, str]]) 
         "neither a joint recording nor a shape",
         found=", ".join(table.names),
         allowed="a drive and a response (stroke_mm, curvature_per_m), or x_mm and y_mm",
-        hint="Foreign names come in by a mapping of columns: stroke_mm=X1,curvature_per_m=kappa, or FILE.toml.",
+        hint="Foreign names come in by a mapping of columns: stroke_mm=X1,curvature_per_m=kappa, or FILE.toml; "
+        "`coast guide foreign` shows how.",
     )
 
 

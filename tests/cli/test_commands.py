@@ -382,6 +382,10 @@ def test_stroke_says_which_limits_are_passed(coast, reference):
     metres = coast("stroke", reference, "--stroke", "1e5", "--x2", "20")
     assert (metres.code, metres.out) == (3, "")
     assert "stroke_length 100 m; millimetres?; allowed: at most 0.75 m" in metres.err
+    assert (
+        "every curvature is below 0.5 1/m, a radius of metres: is it in 1/m?"
+        in coast("stroke", reference, "--kappa", "0,0.02", "--x2", "30").err
+    )
     tense = coast("stroke", reference, "--stroke", "5", "--x2", "20,40")
     assert "past a limit from 54.28 1/m over 20 mm: web strain 0.00816 above 0.008" in tense.err
 

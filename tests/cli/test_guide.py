@@ -45,8 +45,11 @@ def test_no_line_is_wider_than_the_terminal_and_no_word_is_lost(coast, monkeypat
             marks = str.maketrans("", "", "|-: \n")
             page = (PAGES / f"{topic}.md").read_text(encoding="utf-8")
             page = re.sub(r"(?m)^\|[^|]*(\|.*\n\|[-|: ]+$)", r"\1", page)  # what heads the names of a table's rows
-            left = Counter(page.translate(marks)) - Counter(ran.out.translate(marks))
-            assert sum(left.values()) == 0
+            if "…" not in ran.out:
+                left = Counter(page.translate(marks)) - Counter(ran.out.translate(marks))
+                assert sum(left.values()) == 0
+            else:
+                assert f"`coast guide {topic} > {topic}.md`" in " ".join(ran.out.split())
 
 
 def test_running_text_is_filled_and_what_a_program_printed_keeps_its_lines():
@@ -68,6 +71,18 @@ def test_running_text_is_filled_and_what_a_program_printed_keeps_its_lines():
         " a  b",
         "```",
     ]
+
+
+def test_rows_that_a_program_printed_are_cut_and_its_other_lines_broken():
+    page = "# A\n\n```console\n$ coast some command\nname   value   more\nwords that go on and on\n```\n"
+    assert fitted(page, 16, "a").splitlines()[2:7] == [
+        "```console",
+        "$ coast some",
+        "  command",
+        "name   value   …",
+        "words that go on",
+    ]
+    assert "cut: `coast guide a > a.md` has them whole." in " ".join(fitted(page, 16, "a").split())
 
 
 def test_a_wide_table_becomes_a_record_a_row():

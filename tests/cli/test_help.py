@@ -58,8 +58,9 @@ def test_a_shell_is_told_how_a_line_may_go_on(line, offered):
     assert ran.stdout.split() == [offered]
 
 
-def test_swapped_arguments_are_said(coast, reference):
-    ran = coast("compare", RECORDING, reference)
+@pytest.mark.parametrize("words", [("compare", RECORDING), ("path", ROOT / "examples/path/branch.csv", "--path")])
+def test_swapped_arguments_are_said(coast, reference, words):
+    ran = coast(*words, reference)
     assert (ran.code, ran.out) == (2, "")
     assert ran.err.endswith("tubes.toml is: the configuration comes first.\n")
 

@@ -167,7 +167,7 @@ def test_without_matplotlib_it_has_its_tables_and_says_how_to_get_pictures(coast
     assert ran.code == 0
     assert ran.err == f"coast: note: {NO_PICTURES}\n"
     assert "img" not in page.tags
-    assert "pip install 'coast-cli[plot]'" in page.text
+    assert "pip install matplotlib" in page.text
     assert "OT4/MT1" in page.text
 
 

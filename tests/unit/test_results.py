@@ -94,7 +94,7 @@ def test_a_result_draws_itself(results, name, tmp_path):
 
 def test_without_matplotlib_a_picture_is_one_sentence(results, monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
-    with pytest.raises(coast.UsageError, match=r"need matplotlib: install coast-cli\[plot\]"):
+    with pytest.raises(coast.UsageError, match=r"need matplotlib: pip install matplotlib"):
         results["ranking"].plot()
 
 
@@ -125,3 +125,11 @@ def test_a_small_space_is_explored_in_one_call():
     assert len(found.rows) >= 1
     with pytest.raises(coast.BadInput, match="from the text of a configuration"):
         coast.explore(coast.Config.model_validate(coast.load_config_text(text).model_dump()))
+
+
+@pytest.mark.parametrize("ask", [coast.calibrate, coast.compare, coast.diagnose])
+def test_a_path_in_place_of_what_is_read_from_it_is_one_sentence(results, ask):
+    with pytest.raises(coast.BadInput, match="no recordings; found 'str'; allowed: what read_recordings returns"):
+        ask(results["config"], str(RECORDING))
+    with pytest.raises(coast.BadInput, match=r"no configuration; found '\\w+Path'; allowed: what load_config returns"):
+        ask(REFERENCE, results["recordings"])

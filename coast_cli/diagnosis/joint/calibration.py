@@ -17,6 +17,7 @@ from coast_cli.diagnosis.joint.calibrate import CalibrationFit, Posed, fit_param
 from coast_cli.diagnosis.joint.errors import UNITS, to_unit
 from coast_cli.diagnosis.spread import Spread
 from coast_cli.errors import BadInput, nearest
+from coast_cli.recordings.given import require_read
 from coast_cli.rows import Rows
 
 if TYPE_CHECKING:
@@ -236,6 +237,7 @@ def calibrate(
         >>> round(found.whole.values["deadband_mm"], 4)
         1.2
     """
+    require_read(config, recordings)
     if recordings.joint is None:
         raise BadInput("no joint recording to calibrate with", allowed="runs with a drive and a response")
     runs = recordings.joint.runs

@@ -18,6 +18,8 @@ JOINT, TUBE = DESIGN.joint(), DESIGN.tube("MT3")
     ("call", "said"),
     [
         (lambda: coast.stroke(JOINT, [20.0], 20.0), "bending_length 20 m; millimetres?"),
+        (lambda: coast.stroke(JOINT, 20, 20), "bending_length 20 m; millimetres?"),
+        (lambda: coast.tip(20, [1, 20]), "bending_length 20 m; millimetres?"),
         (lambda: coast.curvature_from_stroke(JOINT, 2.6, 0.02), "stroke_length 2.6 m; millimetres?"),
         (lambda: coast.curvature_from_stroke(JOINT, 0.0026, [0.02, 40.0]), "bending_length 40 m; millimetres?"),
         (lambda: coast.tip(20.0, 20.0), "bending_length 20 m; millimetres?"),
@@ -37,6 +39,6 @@ def test_another_unit_is_named(call, said):
     assert said in str(caught.value)
 
 
-@pytest.mark.parametrize("fine", [0.05, np.array([0.001, np.nan]), np.zeros(0), 1e-4 + 1e-20j])
+@pytest.mark.parametrize("fine", [0.05, 0, np.array([0.001, np.nan]), np.zeros(0), [], 1e-4 + 1e-20j])
 def test_what_may_be_passes(fine):
     require(RADIUS, radius=fine)

@@ -254,7 +254,7 @@ def test_outputs_that_cannot_be_are_refused_before_any_fit(outputs, said):
 
 def test_a_plot_without_matplotlib_is_one_sentence(monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "matplotlib.figure", None)
-    with pytest.raises(UsageError, match=r"install coast-cli\[plot\]"):
+    with pytest.raises(UsageError, match=r"pip install matplotlib"):
         Outputs(plot=Path("plot.png")).check()
 
 

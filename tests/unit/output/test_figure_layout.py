@@ -54,11 +54,11 @@ def drawn(picture):
     canvas.draw()
     renderer = canvas.get_renderer()
     legends = [one for axes in (*figure.get_axes(), figure) for one in axes.findobj(is_legend)]
-    inside = {id(text) for legend in legends for text in legend.findobj(Text)}
+    hidden = unseen(figure) | {id(text) for legend in legends for text in legend.findobj(Text)}
     texts = [
         text
         for text in figure.findobj(Text)
-        if text.get_visible() and text.get_text().strip() and id(text) not in inside and is_shown(text)
+        if text.get_visible() and text.get_text().strip() and id(text) not in hidden
     ]
     labels = {id(text): (text.get_text(), text.get_window_extent(renderer), text.get_fontsize()) for text in texts}
     frames = {id(one): one.get_window_extent(renderer) for one in legends}
@@ -69,20 +69,23 @@ def is_legend(artist):
     return type(artist).__name__ == "Legend"
 
 
-def is_shown(text):
-    """Whether a label belongs to axes that are shown, and a tick's to a place inside them."""
-    axes = text.axes
-    if axes is None:
-        return True
-    if not axes.get_visible():
-        return False
-    for axis in (axes.xaxis, axes.yaxis):
-        low, high = sorted(axis.get_view_interval())
-        for tick in (*axis.get_major_ticks(), *axis.get_minor_ticks()):
-            if text in (tick.label1, tick.label2):
-                edge = 1e-9 * (high - low)
-                return low - edge <= tick.get_loc() <= high + edge
-    return True
+def unseen(figure):
+    """Return the labels of ticks outside their axes, and of axes that are not shown, by identity."""
+    found = set()
+    for axes in figure.get_axes():
+        if not axes.get_visible():
+            found |= {id(text) for text in axes.findobj(is_text)}
+        for axis in (axes.xaxis, axes.yaxis):
+            low, high = sorted(axis.get_view_interval())
+            edge = 1e-9 * (high - low)
+            ticks = [*axis.get_major_ticks(), *axis.get_minor_ticks()]
+            outside = [tick for tick in ticks if not low - edge <= tick.get_loc() <= high + edge]
+            found |= {id(label) for tick in outside for label in (tick.label1, tick.label2)}
+    return found
+
+
+def is_text(artist):
+    return hasattr(artist, "get_text")
 
 
 def shared(one, other):

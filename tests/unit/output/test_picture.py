@@ -34,5 +34,5 @@ def test_another_suffix_is_refused(tmp_path):
 
 def test_without_matplotlib_it_is_one_sentence(monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
-    with pytest.raises(UsageError, match=r"install coast-cli\[plot\]"):
+    with pytest.raises(UsageError, match=r"pip install matplotlib"):
         titled("a").render("png")
