@@ -26,7 +26,7 @@ class Drawing(Protocol):
 
 
 class Drawn:
-    """A result that draws itself as its command's ``--plot`` does."""
+    """A result that draws itself, as its command does."""
 
     def plot(self, path: str | Path | None = None) -> Drawing:
         """Return the picture of the result; with a path (.png, .svg or .pdf) it is written there too.

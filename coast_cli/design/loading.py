@@ -18,6 +18,7 @@ from coast_cli.effects.stages import OnDrag, OnDrive, OnSlack, OnStretch, OnStru
 from coast_cli.effects.stations import Stations, branch, stations_for
 from coast_cli.errors import NotConverged
 from coast_cli.mechanics.joint import Joint, StrokeSolution, curvature_from_stroke
+from coast_cli.mechanics.rounding import without_rounding
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.mechanics.verdict import Verdict
 from coast_cli.units import MILLIMETRE
@@ -47,7 +48,7 @@ class LoadingBranch:
 
     def at_curvature(self, curvature: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return stroke, tension and stretch; NaN where no stroke holds the curvature."""
-        found = [np.interp(curvature, self.curvature, column) for column in (self.stroke, self.tension, self.stretch)]
+        found = [_read(curvature, self.curvature, column) for column in (self.stroke, self.tension, self.stretch)]
         held = np.interp(curvature, self.curvature, self.held) > 1.0 - _HELD
         reached = (curvature >= self.curvature[0] - _HELD) & held
         stroke, tension, stretch = (np.where(reached, column, np.nan) for column in found)
@@ -56,9 +57,13 @@ class LoadingBranch:
     def at_stroke(self, stroke: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return curvature, tension and stretch; below the first stroke the joint is at rest."""
         axis = np.maximum.accumulate(self.stroke)
-        found = (np.interp(stroke, axis, column) for column in (self.curvature, self.tension, self.stretch))
+        found = (_read(stroke, axis, column) for column in (self.curvature, self.tension, self.stretch))
         curvature, tension, stretch = found
         return curvature, tension, stretch
+
+
+def _read(at: FloatArray, axis: FloatArray, column: FloatArray) -> FloatArray:
+    return without_rounding(np.interp(at, axis, column), column)
 
 
 def acting_on_load(effects: Sequence[Effect]) -> tuple[tuple[Effect, ...], tuple[str, ...]]:

@@ -10,6 +10,7 @@ from coast_cli.effects.effect import RUN, Effect, History, Parameter
 from coast_cli.effects.forward import Layout, predict
 from coast_cli.effects.stations import stations_for
 from coast_cli.mechanics.joint import Joint
+from coast_cli.mechanics.rounding import without_rounding
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.spec.build import build
 from coast_cli.spec.load import REFERENCE, load_config
@@ -49,13 +50,13 @@ def signature(kind: type[Effect]) -> Signature:
     joint = build(load_config(REFERENCE)).joint()
     run = _drive(joint)
     layout = Layout("curvature", curvature_limit=120.0)
-    base = predict(joint, (), [run], layout)[0].response[:, 0]
+    base = without_rounding(predict(joint, (), [run], layout)[0].response[:, 0])
     scales = _scales(joint, run, base)
     found: list[Signature] = []
     for size in _SIZES:
         for side in ("high", "low"):
             effect = kind(**{p.name: _value(p, scales, float(size), side) for p in kind.parameters})
-            changed = predict(joint, (effect,), [run], layout)[0].response[:, 0]
+            changed = without_rounding(predict(joint, (effect,), [run], layout)[0].response[:, 0])
             found.append(Signature(effect, run.drive, base, changed))
         if max(found[-1].change, found[-2].change) >= SHOWN:
             break

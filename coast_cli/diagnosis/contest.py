@@ -191,10 +191,10 @@ def _grow(
 ) -> list[Hypothesis]:
     """Fit the sets one effect larger than those of the frontier; put them into ``tried``, return what may grow further."""
     effort, stage = problem.effort, 0 if first else 1
-    started: dict[EffectsKey, tuple[float, Fit, bool]] = {}
+    started: dict[EffectsKey, tuple[float, Fit]] = {}
     for parent in frontier:
-        fresh: dict[EffectsKey, tuple[float, Fit, bool]] = {}
-        promising = screen(problem, parent.fit, problem.candidates(parent.fit.effects, alone=first))
+        fresh: dict[EffectsKey, tuple[float, Fit]] = {}
+        promising = screen(problem, parent.fit, problem.candidates(parent.fit.effects))
         expected = [one for one in promising[effort.fitted[stage] :] if one.candidate.expected and parent.ids]
         for one in (*promising[: effort.fitted[stage]], *expected):
             for start in one.starts:
@@ -205,16 +205,15 @@ def _grow(
                 begun = fit(problem, effects, parent.fit.coordinates, steps=effort.steps, until="rough")
                 error = plain_error(problem, begun)
                 if key not in fresh or error < fresh[key][0]:
-                    fresh[key] = error, begun, one.candidate.alone
+                    fresh[key] = error, begun
         started |= fresh
     order = sorted(started.items(), key=lambda item: item[1][0])[: effort.finished[stage]]
     grown = []
-    for place, (key, (error, begun, alone)) in enumerate(order):
+    for place, (key, (error, begun)) in enumerate(order):
         if place >= _ALWAYS_FINISHED and error > order[0][1][0] + effort.far_behind:
             break
         tried[key] = hypothesis(problem, fit(problem, begun.effects, begun.coordinates, until="fine"))
-        if not alone:
-            grown.append(tried[key])
+        grown.append(tried[key])
     return grown
 
 

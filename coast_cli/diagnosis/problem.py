@@ -41,12 +41,11 @@ class Contender:
     """An effect that may be there, of one variant's kind.
 
     Attributes:
-        starts: from which it is fitted. alone: competes by itself, never in a set.
+        starts: from which it is fitted.
         expected: theory says that it is there, so that it is tried whatever a first step says.
     """
 
     starts: tuple[Effect, ...]
-    alone: bool = False
     expected: bool = False
 
 
@@ -108,8 +107,8 @@ class Problem(Protocol):
     def residuals(self, points: Sequence[Point]) -> list[FloatArray]:
         """Return the residual (n,) at each point, all in one batch."""
 
-    def candidates(self, parent: Sequence[Any], *, alone: bool) -> list[Contender]:
-        """Return what may be added to a set; ``alone`` asks also for what competes by itself."""
+    def candidates(self, parent: Sequence[Any]) -> list[Contender]:
+        """Return what may be added to a set."""
 
     def ordered(self, effects: Sequence[Any]) -> tuple[Any, ...]:
         """Return effects in the order in which they act."""

@@ -49,7 +49,7 @@ class RecordedDiagnosis(Diagnosis, Drawn):
         return load_config_text(self.model_text(), "<model>")
 
     def model_text(self) -> str:
-        """Return the corrected model as ``coast diagnose --save-model`` writes it, the comments of the file kept."""
+        """Return the corrected model as ``coast diagnose`` saves it, the comments of the file kept."""
         from coast_cli.diagnosis.model_file import model_text
 
         return model_text(self.config, self, self.recordings)

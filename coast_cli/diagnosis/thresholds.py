@@ -7,26 +7,13 @@ the misfit of one rig. ``thresholds_digest`` stands in the provenance of every d
 from __future__ import annotations
 
 from hashlib import sha256
-from typing import Self
+
+from coast_cli.recordings.thresholds import REASON as _REASON
+from coast_cli.recordings.thresholds import RECORDED, Threshold
 
 # How numbers were set. "pilot": README of examples/concealed, `python -m examples.concealed all --seeds FIRST:LAST`.
 _PILOT = "pilot of concealed cases, examples/concealed"
-_CLEAN = "largest on clean simulated recordings, examples/concealed --level L0"
-_REASON = "by reason, not tuned"
-
-
-class Threshold(float):
-    """A number that decides, with its unit, its meaning and how it was set."""
-
-    unit: str
-    meaning: str
-    set_by: str
-
-    def __new__(cls, value: float, unit: str, meaning: str, set_by: str) -> Self:
-        """Return the number with what it means."""
-        made = super().__new__(cls, value)
-        made.unit, made.meaning, made.set_by = unit, meaning, set_by
-        return made
+_CLEAN = "largest on clean simulated recordings, level L0 of examples/concealed"
 
 
 # The contest.
@@ -198,7 +185,8 @@ DOUBTED_NAMES = Threshold(
     _REASON,
 )
 
-ALL: dict[str, Threshold] = {name: value for name, value in list(globals().items()) if isinstance(value, Threshold)}
+_OWN = {name: value for name, value in list(globals().items()) if isinstance(value, Threshold)}
+ALL: dict[str, Threshold] = {**RECORDED, **_OWN}
 
 
 def thresholds_digest() -> str:

@@ -17,7 +17,7 @@ from coast_cli.effects.unnamed_shape import Law, ShapeLaw
 from coast_cli.errors import nearest
 
 Correction = Mapping[str, float | str | Sequence[float]]
-_OWN = "One of your own is there once its file is named: --effects FILE.py."
+_OWN = "One of your own takes part once its file is given (`coast guide own-effects`)."
 _UNNAMED = re.compile(r"unnamed_([1-9])")
 
 

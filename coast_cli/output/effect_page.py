@@ -101,8 +101,8 @@ def _drawn(found: Signature, room: int) -> Iterator[str]:
     left, right = found.stroke.min(), found.stroke.max()
     for mark, response in ((".", found.base), ("*", found.changed)):
         for x, y in zip(found.stroke, response, strict=True):
-            across = round((columns - 1) * (x - left) / (right - left))
-            up = round((_HEIGHT - 1) * (y - low) / (high - low))
+            across = _cell((columns - 1) * (x - left) / (right - left))
+            up = _cell((_HEIGHT - 1) * (y - low) / (high - low))
             grid[_HEIGHT - 1 - up][across] = mark
     yield from _said(
         f"Signature: curvature {low:.3g} to {high:.3g} 1/m over stroke {left / MILLIMETRE:.3g} to "
@@ -112,6 +112,11 @@ def _drawn(found: Signature, room: int) -> Iterator[str]:
     for row in grid:
         yield f"{_INDENT}|{''.join(row)}"
     yield f"{_INDENT}+{'-' * columns}"
+
+
+def _cell(place: float) -> int:
+    """Return the cell of a place, the same on every processor where the place lies between two."""
+    return round(round(place, 9))
 
 
 def _values(found: Signature) -> str:

@@ -1,6 +1,6 @@
 """What joint recordings can decide: the one answer for what is said of them, tried on them and planned after them.
 
-Every threshold stands here once, so that a note, a candidate and a plan cannot contradict each other.
+Every threshold stands once (``recordings.thresholds``), so that a note, a candidate and a plan cannot contradict each other.
 """
 
 from __future__ import annotations
@@ -10,6 +10,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from coast_cli.recordings.thresholds import (
+    FEWEST_HELD,
+    FEWEST_RELEASED,
+    RATE_SAMPLES,
+    RATE_TRAVEL,
+    RATES_DIFFER,
+    SAME_DRIVE,
+    SAME_LENGTH,
+    STILL,
+)
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -18,15 +29,6 @@ if TYPE_CHECKING:
     from coast_cli.recordings.model import JointRun
 
     Floats = NDArray[np.float64]
-
-FEWEST_RELEASED = 3  # samples of a run that a release reached: friction bends even the first few
-FEWEST_HELD = 5  # samples of a run in which the drive stays
-SAME_LENGTH = 0.05  # of the longest: closer bending lengths are one, as notch friction moves the modulus no further
-RATES_DIFFER = 1.5  # fastest over slowest: less, and a lag of the camera looks like play
-RATE_TRAVEL = 0.2  # of a run's range, for a branch to have a rate of its own
-RATE_SAMPLES = 5  # in such a branch
-STILL = 0.01  # of the widest range of a run: a drive that moves less stays
-SAME_DRIVE = 0.05  # of the largest drive, for runs that repeat one another
 
 
 @dataclass(frozen=True)

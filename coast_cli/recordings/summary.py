@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from coast_cli.errors import UsageError
-from coast_cli.recordings.evidence import RATES_DIFFER, Evidence, evidence_of
+from coast_cli.recordings.evidence import Evidence, evidence_of
 from coast_cli.recordings.noise import NoiseEstimate, recording_noise, run_noises
 from coast_cli.recordings.shape_noise import shape_noise
+from coast_cli.recordings.thresholds import RATES_DIFFER
 from coast_cli.units import DEGREE, MILLIMETRE
 
 if TYPE_CHECKING:

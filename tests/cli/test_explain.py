@@ -14,7 +14,6 @@ FAINT = {
     "bending_length_offset",
     "leadscrew_pitch_error",
     # of another column than the response, of a load that a joint alone does not have, or of rows that are left out
-    "transmission_compliance",
     "camera_saturation",
     "frozen_frames",
     "load_cell_scale",

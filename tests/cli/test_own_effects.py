@@ -1,13 +1,19 @@
 """``--effects FILE.py``: the guide's example is named, saved and loaded again; what breaks the contract is refused."""
 
+import csv
+import json
+import tomllib
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from coast_cli.cli.guide import PAGES
 from coast_cli.effects import own
 from coast_cli.effects.catalogue import CATALOGUE
 from coast_cli.errors import BadInput
+from tests.modelled_joint import recording
+from tests.photographed_tube import Bench, config_text, shape
 
 SHEAR = 0.15
 TEXT = (PAGES / "own-effects.md").read_text(encoding="utf-8")
@@ -19,6 +25,54 @@ def skew(tmp_path):
     path = tmp_path / "skew.py"
     path.write_text(EXAMPLE, encoding="utf-8")
     return path
+
+
+def write(path, header, rows):
+    with path.open("w", newline="", encoding="utf-8") as file:
+        csv.writer(file).writerows([header, *rows])
+    return path
+
+
+def test_it_is_named_on_a_joint_and_saved_and_loaded(coast, skew, tmp_path, reference):
+    with own.using_effects([skew]):
+        runs = recording([CATALOGUE["picture_skew"](shear=SHEAR)], witness=True)
+    rows = [
+        (run.name, "OT4", "MT1", *(f"{value:.9g}" for value in row))
+        for run in runs
+        for row in zip(
+            run.time, run.stroke * 1e3, run.bending_length * 1e3, run.tension, run.response[:, 0], strict=True
+        )
+    ]
+    header = ["run", "outer", "middle", "time_s", "stroke_mm", "bending_length_mm", "tension_n", "curvature_per_m"]
+    file, model = write(tmp_path / "joint.csv", header, rows), tmp_path / "model.toml"
+    ran = coast("diagnose", reference, file, "--effects", skew, "--save-model", model, "--max-effects", 1, "-f", "json")
+    assert ran.code == 0, ran.err
+    found = json.loads(ran.out)
+    assert [effect["id"] for effect in found["effects"]] == ["picture_skew"]
+    assert found["effects"][0]["parameters"]["shear"]["value"] == pytest.approx(SHEAR, rel=0.1)
+    assert found["provenance"]["effects"][0]["file"] == str(skew)
+    saved = tomllib.loads(model.read_text())["corrections"]["picture_skew"]
+    assert saved["recording"] == "joint"
+    refused = coast("compare", model, file)
+    assert refused.code == 3
+    assert "`coast guide own-effects`" in refused.err
+    assert coast("compare", model, file, "--effects", skew).code == 0
+
+
+def test_it_is_named_on_photographs(coast, skew, tmp_path):
+    rng, rows = np.random.default_rng(3), []
+    for number, (name, natural) in enumerate((("A", 4.0), ("B", 9.0))):
+        for up in (True, False):
+            x, y = shape(Bench(natural=natural), up, points=60)
+            places = np.stack([x + SHEAR * y, y], axis=1) * 1e3 + rng.normal(0.0, 0.02, (x.size, 2))
+            run = f"{number}{'up' if up else 'down'}"
+            rows += [(run, name, "up" if up else "down", f"{a:.6f}", f"{b:.6f}") for a, b in places]
+    config = tmp_path / "tubes.toml"
+    config.write_text(config_text({"A": (0.314, 4.0), "B": (0.314, 9.0)}), encoding="utf-8")
+    file = write(tmp_path / "shapes.csv", ["run", "tube", "natural", "x_mm", "y_mm"], rows)
+    ran = coast("diagnose", config, file, "--effects", skew, "--max-effects", 1, "-f", "json")
+    assert ran.code == 0, ran.err
+    assert "picture_skew" in [effect["id"] for effect in json.loads(ran.out)["effects"]]
 
 
 def test_it_has_a_page_and_a_line_in_the_list(coast, skew):

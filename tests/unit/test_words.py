@@ -11,7 +11,17 @@ import coast_cli
 PACKAGE = Path(coast_cli.__file__).parent
 BELOW = sorted(
     path
-    for layer in ("units.py", "errors.py", "mechanics", "effects", "spec", "recordings", "design")
+    for layer in (
+        "units.py",
+        "errors.py",
+        "rows.py",
+        "mechanics",
+        "effects",
+        "spec",
+        "recordings",
+        "design",
+        "diagnosis",
+    )
     for path in (PACKAGE.rglob(f"{layer}/*.py") if not layer.endswith(".py") else [PACKAGE / layer])
 )
 OPTION = re.compile(r"(?<![\w-])--[a-z]")

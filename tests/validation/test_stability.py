@@ -117,11 +117,16 @@ print(json.dumps(diagnosed(*{source}())))
 
 
 def other_processor(source, settings):
-    """Return what is printed in a process of its own, on a processor that lacks what the settings name."""
-    environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "PYTHONPATH": str(ROOT), **settings}
-    command = [sys.executable, "-W", "ignore", "-c", SCRIPT.format(source=source)]
-    done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=True)
-    return json.loads(done.stdout)
+    """Return what a diagnosis says in a process of its own, on a processor that lacks what the settings name."""
+    return json.loads(on_other_processor(settings, "-c", SCRIPT.format(source=source)))
+
+
+def on_other_processor(settings, *words):
+    """Return what Python prints with the given words on a processor that lacks what the settings name."""
+    own = {"OPENBLAS_NUM_THREADS": "1", "PYTHONPATH": str(ROOT), "PYTHONIOENCODING": "utf-8"}
+    command, environment = [sys.executable, "-W", "ignore", *words], {**os.environ, **own, **settings}
+    done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, encoding="utf-8", check=True)
+    return done.stdout
 
 
 def other_instruction_sets():
@@ -136,13 +141,24 @@ def other_instruction_sets():
     return [{"OPENBLAS_CORETYPE": "Prescott", **without}, *([{"OPENBLAS_CORETYPE": "Haswell"}] if has_avx2 else [])]
 
 
-@pytest.mark.parametrize("source", ["generated", "wrist"])
+@pytest.mark.parametrize("source", ["generated", "readme", "wrist"])
 def test_other_instruction_sets_change_nothing(source):
     if source == "wrist" and not WRIST.is_dir():
         pytest.skip("not here")
-    expected = diagnosed(*{"generated": generated, "wrist": wrist}[source]())
+    expected = diagnosed(*{"generated": generated, "readme": readme, "wrist": wrist}[source]())
     for settings in other_instruction_sets():
         assert other_processor(source, settings) == expected
+
+
+@pytest.mark.parametrize("line", ["explain tendon_creep", "rank-pairs {model}", "stroke {model} --kappa 0,20 --x2 20"])
+def test_pages_print_the_same_on_other_instruction_sets(coast, reference_text, tmp_path, line):
+    model = tmp_path / "corrected.toml"
+    model.write_text(f"{reference_text}\n[corrections.backlash]\nwidth_mm = 0.17\n", encoding="utf-8")
+    words = [word.format(model=model) for word in line.split()]
+    expected = coast(*words).out
+    assert expected
+    for settings in other_instruction_sets():
+        assert on_other_processor(settings, "-m", "coast_cli", *words) == expected
 
 
 def main():

@@ -122,12 +122,11 @@ def sweep(
     for length in bending_lengths or [0.0]:
         if not 0.0 < length <= longest:
             allowed = f"above 0 and at most {longest / MILLIMETRE:g} mm"
-            raise UsageError(f"bending lengths are needed; found {length / MILLIMETRE:g} mm; allowed: {allowed}.")
+            raise UsageError(f"bending lengths X2 are needed; allowed: {allowed}.")
     kind: ResponseKind = "bend" if response == "bend" else "curvature"
     bench = Bench(middle, outer, kind, 1, config.tendon is not None, records_tension)
     if not 0.0 <= low < top < _LARGEST_DRIVE * bench.unit:
-        given = f"drive {low / bench.unit:g}:{top / bench.unit:g} {bench.unit_name}"
-        raise UsageError(f"{given}: {DRIVES}.")
+        raise UsageError(f"drive {low / bench.unit:g}:{top / bench.unit:g}: {DRIVES}.")
     return standard(bench, low, top, bending_lengths, rate, hold).runs
 
 
@@ -161,7 +160,7 @@ def _plan_of(
         f"refitted before anything is called visible: {free}.",
     ]
     if problem.tension_noise is None and runs[0].stroke is not None:
-        notes.append("tension is not recorded: --tension-noise N says how much it would add.")
+        notes.append("tension is not recorded: a tension noise, N, says how much it would add.")
     return Plan(tuple(_row(one) for one in found), (*said, *notes))
 
 

@@ -375,7 +375,7 @@ class JointProblem:
         seen = np.concatenate([self.observed, self.observed_tension])
         return [seen - np.concatenate(self.fitted(self.predict(*point))) for point in points]
 
-    def candidates(self, parent: Sequence[Any], *, alone: bool) -> list[Contender]:
+    def candidates(self, parent: Sequence[Any]) -> list[Contender]:
         """Return what may be added to a set."""
         return joint_candidates(self, {effect.id for effect in parent})
 

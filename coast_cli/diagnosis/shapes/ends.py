@@ -89,7 +89,7 @@ def _ends_early(problem: ShapeProblem, without: float) -> bool:
     if _across(problem, fit(problem, steps=_STEPS, until="fine")) >= without:
         return False
     starts: dict[str, Any] = {}
-    for contender in problem.candidates((), alone=True):
+    for contender in problem.candidates(()):
         for start in contender.starts:
             if start.id in _SHORTENING:
                 starts.setdefault(start.id, start)

@@ -344,7 +344,7 @@ class ShapeProblem:
             )
         return tuple(found)
 
-    def candidates(self, parent: Sequence[Any], *, alone: bool) -> list[Contender]:
+    def candidates(self, parent: Sequence[Any]) -> list[Contender]:
         """Return what may be added to a set: of each effect the starts that let tubes differ stand by themselves."""
         taken = {effect.id for effect in parent} | self.carried | self.concealed
         found = []

@@ -91,9 +91,9 @@ def test_what_no_pull_holds_has_no_value(joint):
     resting = stroke_table(
         joint, [LENGTH], curvatures=[1.0, 5.0], effects=build_effects({"precurvature": {"curvature_per_m": 3.0}})
     )
-    assert resting[0]["stroke_mm"][0] is None
-    assert resting[0]["stroke_mm"][1] > 1.2
-    assert "1 1/m" in resting[1][0]
+    assert resting.columns["stroke_mm"][0] is None
+    assert resting.columns["stroke_mm"][1] > 1.2
+    assert "1 1/m" in resting.notes[0]
     snapping = loading_branch(joint, some_of("snap_through"), LENGTH, curvature=40.0)
     assert not snapping.held.all()
     assert np.isnan(snapping.at_curvature(np.array([22.0]))[0]).all()
@@ -143,3 +143,12 @@ def test_a_stroke_that_nothing_takes_up_is_refused(coast, reference_text, tmp_pa
     ran = coast("stroke", path, "--stroke", "90000000", "--x2", "40")
     assert ran.code in (2, 4)
     assert re.fullmatch(r"coast: .*\n", ran.err)
+
+
+@pytest.mark.parametrize("inverse", [False, True])
+def test_a_corrected_joint_at_rest_has_no_tension_but_zero(joint, inverse):
+    """On one processor rounding left 6e-19 N there, on another none."""
+    effects = (CATALOGUE["backlash"](width_mm=0.17),)
+    at = np.array([0.0])
+    found = corrected_stroke(joint, effects, np.array([LENGTH]), at, inverse=inverse)
+    assert (found.tension[0], found.tendon_strain[0], found.curvature[0]) == (0.0, 0.0, 0.0)

@@ -190,3 +190,13 @@ def test_a_long_run_is_compared_in_little_memory(config, monkeypatch):
 
     few, many = peak(100_000), peak(300_000)
     assert many - few < 120 * 200_000
+
+
+def test_what_was_found_on_another_bench_does_not_move_the_errors_of_a_joint(config, exact):
+    """A model saved from photographs: what belongs to their bench and camera stays with photographs."""
+    of_photographs = {"camera_scale": {"scale": 1.3}, "tip_load": {"force_mn": 5.0}, "base_tilt": {"angle_deg": 3.0}}
+    saved = {name: {**values, "recording": "shapes"} for name, values in of_photographs.items()}
+    before = rows(config, joint(exact))["a"]
+    assert rows(config.model_copy(update={"corrections": saved}), joint(exact))["a"] == before
+    own = {"camera_scale": {"scale": 1.3, "recording": "joint"}}
+    assert rows(config.model_copy(update={"corrections": own}), joint(exact))["a"] != before

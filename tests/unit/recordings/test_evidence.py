@@ -67,6 +67,19 @@ def test_the_diagnosis_asks_the_same_of_its_runs(config):
             assert ("notch_friction" in [one.name for one in problem.base]) == held.has_lengths
 
 
+def test_a_plan_of_the_same_runs_says_the_same(config):
+    from coast_cli.diagnosis.joint.planning import plan
+
+    for ratio, released in ((0.97, 4), (0.5, 4), (0.97, 0)):
+        drive = np.concatenate((UP, UP[-2 : -2 - released : -1]))
+        clock = np.arange(len(drive)) * 0.1
+        runs = tuple(run(drive, clock, length=0.04 * factor, name=name) for factor, name in ((1.0, "a"), (ratio, "b")))
+        held, planned = evidence_of(runs), plan(config, runs)
+        assert ("notch_friction" in " ".join(planned.notes)) == held.has_lengths == (ratio == 0.5)
+        backlash = next(row for row in planned.rows if row["effect"] == "backlash")
+        assert (backlash["size"] is not None) == held.has_release == (released == 4)
+
+
 @pytest.mark.parametrize(("speed", "differs"), [(1.0, False), (1.4, False), (1.6, True), (10.0, True)])
 def test_rates(speed, differs):
     runs = [run(UP, np.arange(60.0)), run(UP, np.arange(60.0) / speed, name="b")]
