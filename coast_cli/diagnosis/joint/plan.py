@@ -304,20 +304,13 @@ def _stacked(problem: JointProblem, coordinates: FloatArray, effects: Sequence[E
 
 def _tangent(problem: JointProblem, coordinates: FloatArray, effects: Sequence[Effect]) -> FloatArray:
     """Return how the prediction moves with every base and effect parameter, (n, q)."""
-    origin, columns = _stacked(problem, coordinates, effects), []
-    for place in range(coordinates.size):
-        moved = coordinates.copy()
-        moved[place] += _STEP
-        columns.append((_stacked(problem, moved, effects) - origin) / _STEP)
-    for index, effect in enumerate(effects):
-        values = np.array(effect.values())
-        for place, parameter in enumerate(effect.parameters):
-            step = _STEP * max(abs(values[place]), 1e-2 * (parameter.high - parameter.low))
-            step = -step if values[place] + step > parameter.high else step
-            other = effect.with_values(values + step * (np.arange(values.size) == place))
-            changed = (*effects[:index], other, *effects[index + 1 :])
-            columns.append((_stacked(problem, coordinates, changed) - origin) / step)
-    return np.stack(columns, axis=1) if columns else np.zeros((origin.size, 1))
+    space = problem.space(effects)
+
+    def seen(vectors: Sequence[FloatArray]) -> list[FloatArray]:
+        return [_stacked(problem, *space.split(vector)) for vector in vectors]
+
+    start = space.joined(coordinates)
+    return space.jacobian(seen, start, seen([start])[0], space.moving, central=False)
 
 
 def _times(effect: Effect, factor: float) -> Effect:
