@@ -50,7 +50,8 @@ def calibrate(
     """Print fitted parameters with intervals of 90 %, and what the recordings cannot tell; -o writes the configuration.
 
     Parameters: youngs_modulus_gpa, notch_friction, deadband_mm, pulley_friction, wrap_angle_rad, tendon_youngs_modulus_gpa,
-    tendon_length_mm. Bounds are those of { value, min, max } in the configuration; bounds that are assumed are printed.
+    tendon_length_mm; of a transmission ratio, zero_mm, load_ratio. Bounds are those of { value, min, max } in the
+    configuration; bounds that are assumed are printed.
     """
     from coast_cli.diagnosis.joint.calibration import calibrate as calibration_of
     from coast_cli.diagnosis.model_file import calibrated_text

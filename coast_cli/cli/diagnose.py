@@ -12,9 +12,11 @@ from coast_cli.cli.paths import WRITES
 from coast_cli.cli.recording_options import (
     BendingLengthOption,
     ColumnsOption,
+    FromOption,
     HoldOutOption,
     RecordedPairOption,
     RecordingsArgument,
+    ToOption,
 )
 
 
@@ -26,6 +28,8 @@ def diagnose(
     columns: ColumnsOption = None,
     pair: RecordedPairOption = None,
     x2: BendingLengthOption = None,
+    begin: FromOption = None,
+    end: ToOption = None,
     max_effects: Annotated[int, typer.Option(min=0, max=12, help="largest set of effects that is tried")] = 5,
     without: Annotated[
         str | None, typer.Option(metavar="ID,...", help="effects left out of the catalogue: neither named nor rivals")
@@ -70,6 +74,7 @@ def diagnose(
     from coast_cli.output.write import say
     from coast_cli.recordings.mapping import mapping_of
     from coast_cli.recordings.read import read_recordings
+    from coast_cli.recordings.window import between
     from coast_cli.spec.load import load_config
 
     outputs = Outputs(format, tuple(output or ()), save_model, plot, report)
@@ -77,6 +82,7 @@ def diagnose(
     concealed = [name for part in (without or "").split(",") if (name := part.strip())]
     document = load_config(config)
     read = read_recordings(recordings, document, columns=mapping_of(columns), pair=pair, bending_length_mm=x2)
+    read = between(read, begin, end)
     with waiting(f"diagnosing {', '.join(read.run_names[:3])}{' ...' if len(read.run_names) > 3 else ''}"):
         found = diagnosis_of(
             document,
@@ -87,6 +93,7 @@ def diagnose(
             noise=noise,
         )
     options = {"max_effects": max_effects, "hold_out": list(hold_out or ()), "without": concealed, "noise": noise}
+    options |= {"from": begin, "to": end}
     options = {name: value for name, value in options.items() if value not in ([], None) or name == "hold_out"}
     origin = {
         **provenance(document, recordings=read.sources, options=options, seed=seed),

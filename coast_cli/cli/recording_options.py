@@ -31,6 +31,10 @@ RecordedPairOption = Annotated[
 BendingLengthOption = Annotated[
     float | None, typer.Option("--x2", metavar="MM", help="bending length of recordings without that column")
 ]
+FromOption = Annotated[
+    float | None, typer.Option("--from", metavar="S", help="rows from this time on, in seconds of their clock")
+]
+ToOption = Annotated[float | None, typer.Option("--to", metavar="S", help="rows up to this time")]
 PlotOption = Annotated[Path | None, typer.Option(metavar="FILE.png", help="draw recording against model"), WRITES]
 HoldOutOption = Annotated[
     list[str] | None, typer.Option("--hold-out", metavar="RUN", help="a run that is not fitted; repeatable")

@@ -12,9 +12,11 @@ from coast_cli.cli.paths import READS, WRITES
 from coast_cli.cli.recording_options import (
     BendingLengthOption,
     ColumnsOption,
+    FromOption,
     NoiseOption,
     RecordedPairOption,
     RecordingsArgument,
+    ToOption,
 )
 
 if TYPE_CHECKING:
@@ -30,6 +32,8 @@ def recordings(
     columns: ColumnsOption = None,
     pair: RecordedPairOption = None,
     x2: BendingLengthOption = None,
+    begin: FromOption = None,
+    end: ToOption = None,
     noise: NoiseOption = None,
     suggest: Annotated[
         bool, typer.Option("--suggest", help="print a mapping for one file, to edit and give to --columns")
@@ -48,6 +52,7 @@ def recordings(
     from coast_cli.recordings.mapping import mapping_of
     from coast_cli.recordings.read import read_recordings
     from coast_cli.recordings.summary import can_decide, summary_rows
+    from coast_cli.recordings.window import between
     from coast_cli.spec.load import load_config
 
     if suggest:
@@ -63,6 +68,7 @@ def recordings(
         pair=pair,
         bending_length_mm=x2,
     )
+    read = between(read, begin, end)
     if convert is not None:
         _convert(read, convert)
         return

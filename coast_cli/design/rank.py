@@ -21,7 +21,7 @@ from coast_cli.mechanics.pairs import Assembly, PairTable, pair_table
 from coast_cli.mechanics.section import FloatArray, SectionKind
 from coast_cli.rows import Drawn, Rows, rows_of
 from coast_cli.spec.build import Design, build
-from coast_cli.spec.config import Config
+from coast_cli.spec.config import Config, JointFields
 from coast_cli.units import DEGREE, MILLIMETRE
 
 Rigidity = Literal["mean", "series"]
@@ -275,7 +275,8 @@ def _snap_columns(found: Snaps | None, possible: NDArray[np.bool_], order: NDArr
 
 def _uneven(design: Design) -> bool:
     """Return whether the middle tube may bend alone, of which jumps are not forecast."""
-    return design.config.joint is not None and design.config.joint.outer_cover_mm is not None
+    joint = design.config.joint
+    return isinstance(joint, JointFields) and joint.outer_cover_mm is not None
 
 
 def _notes(

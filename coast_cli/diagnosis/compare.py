@@ -52,6 +52,11 @@ class JointErrors:
         total: Floats = self.difference[whole].sum(axis=1)
         return total if self.run.kind == "curvature" else total / self.run.bending_length[whole]
 
+    @property
+    def has_segment(self) -> bool:
+        """Whether the run is of a segment, which has a curvature and a tip."""
+        return bool(self.run.middle)
+
 
 @dataclass(frozen=True, eq=False)
 class ShapeErrors:
@@ -96,6 +101,30 @@ class Comparison(Rows, Drawn):
         return recording_noise((one.run for one in self.joint), self.known_noise)
 
 
+@dataclass(frozen=True, eq=False, repr=False)
+class ModelComparison(Rows):
+    """The same recordings against several models, by name; one alone answers as ``Comparison`` does."""
+
+    models: tuple[tuple[str, Comparison], ...]
+
+    def rows(self) -> list[dict[str, str | float | int | None]]:
+        """Return every model's rows, with the model in the first column where there are several."""
+        if len(self.models) == 1:
+            return self.models[0][1].rows()
+        by_model = [[{"model": name, **row} for row in one.rows()] for name, one in self.models]
+        return [row for rows in zip(*by_model, strict=True) for row in rows]
+
+    def _table(self) -> list[dict[str, str | float | int | None]]:
+        return self.rows()
+
+
+def compare_models(
+    models: Sequence[tuple[str, Config]], recordings: Recordings, noise: float | None = None
+) -> ModelComparison:
+    """Return the errors of several configurations, each with its name; see ``compare``."""
+    return ModelComparison(tuple((name, compare(config, recordings, noise)) for name, config in models))
+
+
 def compare(config: Config, recordings: Recordings, noise: float | None = None) -> Comparison:
     """Return the errors of a configuration, with the corrections it carries, on recordings.
 
@@ -132,6 +161,9 @@ def _joint_errors(config: Config, runs: Sequence[JointRun]) -> list[JointErrors]
         del problem  # which keeps as much as the runs themselves
         for index, response in zip(members, responses, strict=True):
             run, whole = runs[index], runs[index].valid
+            if run.pair not in pitches:
+                found[index] = JointErrors(run, response, response - run.response, np.zeros(0))
+                continue
             pitch = pitches[run.pair]
             x, y = tip_of(run, response[whole], run.bending_length[whole], pitch)
             seen_x, seen_y = tip_of(run, run.response[whole], run.bending_length[whole], pitch)
@@ -174,9 +206,11 @@ def _row(
     return {
         "run": name,
         "n": count,
-        "rmse_curvature_per_m": _rms([one.curvature for one in joint]),
+        "rmse_curvature_per_m": _rms([one.curvature for one in joint if one.has_segment]),
         "rmse_bend_deg": _rms([one.difference for one in by_kind["bend"]], DEGREE),
         "rmse_notch_deg": _rms([one.difference for one in by_kind["notch"]], DEGREE),
+        "rmse_position_mm": _rms([one.difference for one in by_kind["position"]], MILLIMETRE),
+        "rmse_force_n": _rms([one.difference for one in by_kind["force"]]),
         "rmse_shape_mm": _rms([one.distance for one in shape], MILLIMETRE),
         "rmse_tip_mm": _rms([*(one.tip for one in joint), *(one.distance[-1:] for one in shape)], MILLIMETRE),
         "noise": levels[0],

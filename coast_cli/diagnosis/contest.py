@@ -168,6 +168,8 @@ def _key(problem: Problem, effects: Sequence[Effect]) -> EffectsKey:
 def _leading(problem: Problem, base: Hypothesis, tried: Sequence[Hypothesis]) -> Hypothesis:
     """Return the set with the most evidence after every effect has paid, and in which each is large enough to name."""
     for one in ranked(tried, lambda h: h.paid):
+        if one.fit.rmse > problem.effort.most_behind * min(h.fit.rmse for h in tried if len(h.key) <= len(one.key)):
+            continue
         smaller = [other for other in tried if other.key < one.key and len(other.key) == len(one.key) - 1]
         if all(problem.is_needed(one.fit, other.fit, base.fit) for other in smaller):
             return one

@@ -59,6 +59,8 @@ class Effort:
         far_behind: nats of plain error behind the best at which the race is given up, but for the first two.
         least_gain: nats of a first step, and ``least_share`` of the best one's, under which a candidate is not fitted.
         enough: share of the base model's error below which sets do not grow.
+        most_behind: times the plain error of another set, no larger, above which a set does not lead: noise slow enough
+            explains anything.
         exchanges: whether every effect of a leading set is exchanged for its rivals.
     """
 
@@ -71,6 +73,7 @@ class Effort:
     least_gain: float = 0.0
     least_share: float = 0.0
     enough: float = 0.0
+    most_behind: float = float("inf")
     exchanges: bool = False
 
 

@@ -127,7 +127,10 @@ def _check_units(config: Config, runs: Sequence[JointRun]) -> None:
     import numpy as np
 
     from coast_cli.spec.build import build
+    from coast_cli.spec.transmission import is_transmission
 
+    if is_transmission(config):
+        return
     design = build(config)
     for run in runs:
         length = run.bending_length[:, np.newaxis] / run.response.shape[1]

@@ -155,6 +155,18 @@ MOST_UNSEEN_NOISE = Threshold(
     1.5, "noise widths", "beyond the noise and the fit's doubt that unseen rows may lie", _REASON
 )
 UNSEEN_DOUBT = Threshold(1.9, "standard deviations", "of the fit's own doubt that unseen rows are granted", _REASON)
+MAX_UNEXPLAINED_SHARE_OF_DEVICES = Threshold(
+    0.5,
+    "of what was explained",
+    "the same of a transmission, whose base is a line: its gears and levers are none",
+    _REASON,
+)
+MOST_BEHIND_OF_DEVICES = Threshold(
+    1.5, "times the error of another set, no larger", "above which a set of a transmission does not lead", _REASON
+)
+LEAST_TAKEN_OF_DEVICES = Threshold(
+    0.1, "of the error without it", "that each effect of a transmission's set must take", _REASON
+)
 
 # Shapes as photographs are.
 ENDS_EARLY = Threshold(0.003, "of the tube", "by which a trace must be short for its end not to be the tip", _REASON)

@@ -26,6 +26,7 @@ from coast_cli.effects.library.leadscrew_pitch_error import LeadscrewPitchError
 from coast_cli.effects.library.lens_distortion import LensDistortion
 from coast_cli.effects.library.load_cell_offset import LoadCellOffset
 from coast_cli.effects.library.load_cell_scale import LoadCellScale
+from coast_cli.effects.library.load_friction import LoadFriction
 from coast_cli.effects.library.local_stiffness_defect import LocalStiffnessDefect
 from coast_cli.effects.library.lost_steps import LostSteps
 from coast_cli.effects.library.neutral_axis_offset import NeutralAxisOffset
@@ -39,6 +40,7 @@ from coast_cli.effects.library.roll_misalignment import RollMisalignment
 from coast_cli.effects.library.run_differs import RunDiffers
 from coast_cli.effects.library.sensor_lag import SensorLag
 from coast_cli.effects.library.snap_through import SnapThrough
+from coast_cli.effects.library.specimen_hysteresis import SpecimenHysteresis
 from coast_cli.effects.library.tendon_creep import TendonCreep
 from coast_cli.effects.library.tendon_permanent_set import TendonPermanentSet
 from coast_cli.effects.library.tendon_superelasticity import TendonSuperelasticity
@@ -55,11 +57,11 @@ CATALOGUE: dict[str, type[Effect]] = {
     effect.id: effect
     for effect in (
         LeadscrewPitchError,
+        TransmissionCompliance,
         Backlash,
         BendingLengthOffset,
         BendingLengthLabel,
         LostSteps,
-        TransmissionCompliance,
         TendonSuperelasticity,
         TendonCreep,
         TendonPermanentSet,
@@ -100,6 +102,10 @@ CATALOGUE: dict[str, type[Effect]] = {
 }
 
 
+# Effects that only devices without tubes have; a specimen's loop has the id of the tubes', with forces for stresses.
+OF_DEVICES: dict[str, type[Effect]] = {effect.id: effect for effect in (LoadFriction, SpecimenHysteresis)}
+
+
 def in_order(effects: Iterable[Effect]) -> tuple[Effect, ...]:
     """Return effects in the order in which they act, whatever order they are listed in.
 
@@ -120,7 +126,7 @@ def build_effects(corrections: Mapping[str, Correction], recording: RecordingKin
     Raises:
         BadInput: an effect or a parameter is unknown, or a value lies outside its range.
     """
-    fault = next(faults(corrections, CATALOGUE), None)
+    fault = next(faults(corrections, CATALOGUE, OF_DEVICES), None)
     if fault is not None:
         key = ".".join(("corrections", *fault.path))
         raise BadInput(fault.message, key=key, found=fault.found, allowed=fault.allowed, hint=fault.hint)

@@ -32,10 +32,10 @@ class Fault:
     hint: str | None = None
 
 
-def correction_parameters(catalogue: Mapping[str, type[Effect]]) -> Mapping[str, Mapping[str, tuple[float, float]]]:
-    """Return the range of every parameter of every effect; of one that joints and shapes both have, the wider range."""
+def correction_parameters(*catalogues: Mapping[str, type[Effect]]) -> Mapping[str, Mapping[str, tuple[float, float]]]:
+    """Return the range of every parameter of every effect; of one that several kinds have, the widest range."""
     found: dict[str, dict[str, tuple[float, float]]] = {}
-    for effect in catalogue.values():
+    for effect in (effect for catalogue in catalogues for effect in catalogue.values()):
         ranges = found.setdefault(effect.id, {})
         for parameter in (p for recording in effect.recordings for p in effect.parameters_on(recording)):
             low, high = ranges.get(parameter.name, (parameter.low, parameter.high))
@@ -43,9 +43,9 @@ def correction_parameters(catalogue: Mapping[str, type[Effect]]) -> Mapping[str,
     return found
 
 
-def faults(corrections: Mapping[str, Correction], catalogue: Mapping[str, type[Effect]]) -> Iterator[Fault]:
+def faults(corrections: Mapping[str, Correction], *catalogues: Mapping[str, type[Effect]]) -> Iterator[Fault]:
     """Yield what is wrong in a table of corrections."""
-    known = correction_parameters(catalogue)
+    known = correction_parameters(*catalogues)
     for effect, values in corrections.items():
         if _UNNAMED.fullmatch(effect):
             try:

@@ -37,6 +37,7 @@ Need = Literal[
     "far_end",
     "flat_end",
     "frozen",
+    "force",
 ]
 Scale = Literal[
     "",
@@ -103,7 +104,8 @@ class History:
 
     ``stroke`` is None for a tension-driven run; where both are given the stroke drives. ``time`` is None where not
     recorded. ``earlier_tension`` is the largest tension (N) that earlier runs of the recording reached; ``run`` the run's
-    number in the recording, from 0; ``load`` what the far end carries (N or N m), where recorded.
+    number in the recording, from 0; ``load`` what the far end carries (N or N m), where recorded. Of a device without
+    tubes ``first_response`` is the first that was recorded (SI), and ``start`` the drive that it stands for.
     """
 
     time: FloatArray | None
@@ -113,6 +115,8 @@ class History:
     earlier_tension: float = 0.0
     run: int = 0
     load: FloatArray | None = None
+    first_response: float | None = None
+    start: float | None = None
 
     @property
     def drive(self) -> FloatArray:

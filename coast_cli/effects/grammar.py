@@ -50,6 +50,7 @@ _CELLS: Mapping[str, tuple[Cell, ...]] = {
     "periodic_disturbance": (("sensor", "period"), ("structure", "period"), ("drive", "period")),
     "load_cell_scale": (("load_cell", "none"),),
     "load_cell_offset": (("load_cell", "none"),),
+    "load_friction": (("sensor", "friction"), ("drive", "friction")),
     "run_differs": (("sensor", "none"), ("drive", "none")),
 }
 
@@ -58,6 +59,9 @@ def cells_of_effect(effect: Effect) -> frozenset[Cell]:
     """Return the cells at which an effect stands; those of a user's own effect are its stage's, with any memory."""
     if isinstance(effect, UnnamedLaw):
         return frozenset({(effect.place, effect.memory)})
+    own: tuple[Cell, ...] = getattr(effect, "grammar_cells", ())
+    if own:
+        return frozenset(own)
     if effect.id in _CELLS:
         return frozenset(_CELLS[effect.id])
     memories: tuple[Memory, ...] = ("none", "friction", "relaxation", "maximum", "path", "step", "period")

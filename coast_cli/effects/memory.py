@@ -16,7 +16,7 @@ _PARTS = np.array([NormalDist().inv_cdf((place + 0.5) / 4) for place in range(4)
 _AT_ONCE = 1e-9  # s, far under any frame
 
 
-def follow(low: FloatArray, high: FloatArray, rest: FloatArray | None = None) -> FloatArray:
+def follow(low: FloatArray, high: FloatArray, rest: FloatArray | float | None = None) -> FloatArray:
     """Return the state s_t = min(max(s_(t-1), low_t), high_t).
 
     Args:
@@ -24,7 +24,7 @@ def follow(low: FloatArray, high: FloatArray, rest: FloatArray | None = None) ->
         rest: state before the first row, shape () or (m,); on the lower bound where not given, as if loaded to it.
     """
     if low.ndim == 2:
-        starts = low[:1].reshape(-1) if rest is None else rest
+        starts = low[:1].reshape(-1) if rest is None else np.broadcast_to(rest, low.shape[1:])
         return np.stack([follow(low[:, j], high[:, j], starts[j]) for j in range(low.shape[1])], axis=1)
     state = -np.inf if rest is None else float(rest)
     states = []

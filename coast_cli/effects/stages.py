@@ -146,6 +146,14 @@ class OnSettling(OnJoint):
         return curvature
 
 
+class OnDevice(OnJoint):
+    """What a device without tubes answers, between its drive and its sensor."""
+
+    def carry(self, response: FloatArray, history: History) -> FloatArray:
+        """Change the response (n,), SI, before the sensor reads it; ``history`` is the drive as it acts."""
+        return response
+
+
 class OnSensor(OnJoint):
     """The camera."""
 

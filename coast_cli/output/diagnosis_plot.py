@@ -154,8 +154,11 @@ def _spread(items: Sequence[JointCurve | ShapeCurve], most: int) -> list[JointCu
 
 def _title(curve: JointCurve | ShapeCurve, found: Diagnosis) -> str:
     held = found.comparison is not None and curve.run.name in found.comparison.held_out_runs
-    what = f"X2 = {_lengths(curve.run.bending_length)} mm" if isinstance(curve, JointCurve) else curve.run.pair
-    return f"{curve.run.name}, {what}{' (held out)' if held else ''}"
+    if not isinstance(curve, JointCurve):
+        what = f", {curve.run.pair}"
+    else:
+        what = f", X2 = {_lengths(curve.run.bending_length)} mm" if curve.run.middle else ""
+    return f"{curve.run.name}{what}{' (held out)' if held else ''}"
 
 
 def _run(curve: JointCurve, found: Diagnosis, upper: Any, lower: Any) -> None:  # noqa: ANN401

@@ -22,7 +22,14 @@ HEADLINES = {
 }
 _NOTHING = 1e-9
 _EXACT = 1e-6  # relative; a spread below it says nothing
-UNITS = {"curvature_per_m": "1/m", "bend_deg": "deg", "notch_deg": "deg", "shape_mm": "mm"}
+UNITS = {
+    "curvature_per_m": "1/m",
+    "bend_deg": "deg",
+    "notch_deg": "deg",
+    "shape_mm": "mm",
+    "position_mm": "mm",
+    "force_n": "N",
+}
 # Names and units of the axes of a region; DRIVE stands for the unit of the drive.
 AXES = {
     "direction": ("on", ""),
@@ -30,6 +37,7 @@ AXES = {
     "tension": ("tension", "N"),
     "curvature": ("curvature", "1/m"),
     "bending_length": ("bending length", "mm"),
+    "load": ("load", "N (N m)"),
     "time": ("time", "s"),
     "rate": ("rate", "DRIVE/s"),
     "cycle": ("cycle", ""),
@@ -168,7 +176,7 @@ def named(effect: Named) -> str:
 def tip_words(found: Diagnosis) -> str:
     """Return the errors at the tip, as a sentence."""
     fit = found.comparison
-    if fit is None:
+    if fit is None or not isfinite(fit.tip_mm_refitted):  # a device without tubes has no tip
         return ""
     with_effects = f", {rounded(fit.tip_mm_with_effects)} mm with effects" if found.effects else ""
     return f"Tip: {rounded(fit.tip_mm_refitted)} mm refitted{with_effects}."

@@ -91,11 +91,12 @@ def _entry(
 
 
 def _effects(known: tuple[str, ...]) -> Iterator[Row]:
-    from coast_cli.effects.catalogue import effects_of
+    from coast_cli.effects.catalogue import OF_DEVICES, effects_of
     from coast_cli.effects.effect import declared
 
-    for recording, where in WHERE.items():
-        for effect in (e for e in effects_of(recording).values() if e.id in known):
+    catalogues = [(recording, where, effects_of(recording)) for recording, where in WHERE.items()]
+    for recording, where, catalogue in (*catalogues, ("joint", "a transmission", OF_DEVICES)):
+        for effect in (e for e in catalogue.values() if e.id in known or e in OF_DEVICES.values()):
             said = declared(effect, recording)
             meaning = f"{said.title} ({effect.component}): {said.equation}"
             yield _entry(effect.id, f"{effect.kind} effect of {where}", meaning, source=said.source)
@@ -152,7 +153,8 @@ def _keys_below(prefix: str, table: dict[str, Any], shared: dict[str, Any], refe
         meaning = key.get("description", "")
         yield _entry(full, kind, meaning, allowed=_allowed(key), typical=typical, source=source)
         named = next(iter(key.get("patternProperties", {}).values()), key.get("additionalProperties"))
-        for inner, mark in ((key, ""), (key.get("items"), "[]."), (named, ".NAME.")):
+        forms = [(form, "") for form in key.get("oneOf", ()) if all("$ref" in one for one in key["oneOf"])]
+        for inner, mark in ((key, ""), *forms, (key.get("items"), "[]."), (named, ".NAME.")):
             link = inner.get("$ref") if isinstance(inner, dict) else None
             if link:
                 yield from _keys_below(full + (mark or "."), shared[link.rpartition("/")[2]], shared, reference)

@@ -44,7 +44,9 @@ def defaults_of(config: Config | None, pair: str | None, bending_length_mm: floa
     """
     outer_tubes = middle_tubes = has_tubes = None
     if config is not None:
-        has_tubes = getattr(config.joint, "kind", None) != "transmission"
+        from coast_cli.spec.transmission import is_transmission
+
+        has_tubes = not is_transmission(config)
     if config is not None and has_tubes:
         from coast_cli.spec.build import build
 

@@ -67,6 +67,11 @@ class JointRun:
         return len(self.line)
 
     @property
+    def carried(self) -> Floats | None:
+        """What the far end carries, [n], N or N m; None where that was not recorded."""
+        return self.load if self.load is not None else self.load_moment
+
+    @property
     def pair(self) -> str:
         """The tubes as the user writes them: ``OUTER/MIDDLE``, or the middle tube alone."""
         return f"{self.outer}/{self.middle}" if self.outer else self.middle
@@ -79,11 +84,11 @@ class JointRun:
             raise ValueError("a joint run needs a stroke or a tension")
         return drive
 
-    def beginning(self, count: int) -> JointRun:
-        """Return the run's first ``count`` samples."""
+    def only(self, rows: slice | NDArray[np.bool_]) -> JointRun:
+        """Return some of the run's samples, in their order."""
         parts = ("line", "time", "bending_length", "stroke", "tension", "response", "load", "load_moment")
         known = {name: value for name in parts if (value := getattr(self, name)) is not None}
-        return replace(self, **{name: value[:count] for name, value in known.items()})
+        return replace(self, **{name: value[rows] for name, value in known.items()})
 
     @cached_property
     def branches(self) -> Branches:

@@ -158,7 +158,7 @@ def _as_known(estimate: NoiseEstimate, known: float | None) -> NoiseEstimate:
 
 def _run_series(run: JointRun) -> list[Series]:
     if len(run) > LONGEST:
-        run = run.beginning(LONGEST)
+        run = run.only(slice(LONGEST))
     new = ~copied_rows(run)
     if new.all():
         return [Series(column, run.branches, run.drive) for column in run.response.T]

@@ -14,6 +14,7 @@ from coast_cli.mechanics.tube import NotchedTube
 from coast_cli.rows import short_repr
 from coast_cli.spec.config import Config
 from coast_cli.spec.superelastic import build_superelastic
+from coast_cli.spec.transmission import TransmissionFields, is_transmission, no_tubes
 from coast_cli.spec.tubes import BenchTube, Role, assembly_fault, bench_tubes, pair_names
 from coast_cli.spec.values import nominal
 from coast_cli.units import GIGAPASCAL, MILLIMETRE
@@ -118,11 +119,16 @@ class Design:
 def build(config: Config) -> Design:
     """Return the design that ``config`` describes: its tubes, joint and corrections in SI units.
 
+    Raises:
+        BadInput: it is of a device without tubes.
+
     Example:
         >>> design = coast.build(coast.load_config(coast.REFERENCE))
         >>> [tube.name for tube in design.outer], design.joint_pair
         (['OT1', 'OT2', 'OT3', 'OT4'], 'OT4/MT1')
     """
+    if is_transmission(config):
+        raise no_tubes(config)
     notes: dict[str, None] = {}  # each once, in order
     outer, middle = (
         tuple(build_tube(config, tube, notes) for tube in bench_tubes(config, role)) for role in ("outer", "middle")
@@ -138,6 +144,8 @@ def build_joint(config: Config, outer: str | None, middle: str) -> Joint:
     """
     if config.joint is None:
         raise config.refuse((), "there is no [joint] table", hint="Run `coast explain joint` for what it holds.")
+    if isinstance(config.joint, TransmissionFields):
+        raise no_tubes(config)
     pair_names(config, middle if outer is None else f"{outer}/{middle}", path=("joint",))
     outer_tube = None if outer is None else _named(config, "outer", outer)
     middle_tube = _named(config, "middle", middle)

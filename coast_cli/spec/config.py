@@ -10,13 +10,14 @@ from dataclasses import dataclass, field
 from math import pi
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, PrivateAttr
+from pydantic import Discriminator, Field, PrivateAttr, Tag
 
 from coast_cli.errors import BadInput
 from coast_cli.spec.explore import Explore
 from coast_cli.spec.positions import Path, Position
 from coast_cli.spec.superelastic import SuperelasticFields
 from coast_cli.spec.tolerances import Tolerances
+from coast_cli.spec.transmission import KINDS, NOTCHED, TRANSMISSION, TransmissionFields, kind_of
 from coast_cli.spec.values import (
     Allowed,
     Calibrated,
@@ -111,6 +112,9 @@ class TendonFields(Document):
 class JointFields(Document):
     """The stroke model of the joint, equations (9)-(12) of the paper."""
 
+    kind: Annotated[Literal["notched"] | None, Allowed(KINDS)] = Field(
+        None, description="what is driven: notched tubes, as where it is left out, or a transmission without tubes"
+    )
     youngs_modulus_gpa: Modulus = Field(description="effective Young's modulus of the bending joint, GPa")
     pulley_friction: Annotated[float | Calibrated, Within(0.0, 5.0)] = Field(
         description="friction coefficient mu at the pulleys"
@@ -132,6 +136,11 @@ class JointFields(Document):
     pair: Annotated[str | None, Field(min_length=1), Allowed("'OUTER/MIDDLE', or the name of one tube")] = Field(
         None, description="the pair a command answers for where none is named: 'OUTER/MIDDLE', or one tube"
     )
+
+
+JointTable = Annotated[
+    Annotated[JointFields, Tag(NOTCHED)] | Annotated[TransmissionFields, Tag(TRANSMISSION)], Discriminator(kind_of)
+]
 
 
 class RatioLimits(Document):
@@ -288,13 +297,15 @@ class Config(Document):
     """A whole configuration file; units are in the names of its keys."""
 
     version: Annotated[Literal[1], Allowed("1")] = Field(1, description="version of this format")
-    materials: dict[Name, Material] = Field(min_length=1, description="tube materials by name")
+    materials: Annotated[dict[Name, Material], Field(min_length=1)] = Field(
+        default_factory=dict, description="tube materials by name; a transmission has none"
+    )
     environment: Environment = Field(default_factory=Environment, description="what surrounds the robot")
     outer: Stock | None = Field(None, description="outer tubes; left out for a joint of one notched tube")
     middle: Stock | None = Field(None, description="middle tubes")
     inner: Inner | None = Field(None, description="the uncut inner tube")
     tendon: TendonFields | None = Field(None, description="the tendon; left out where tension is the drive")
-    joint: JointFields | None = Field(None, description="the stroke model of the joint")
+    joint: JointTable | None = Field(None, description="the stroke model of the joint, or a transmission")
     checks: Checks | None = Field(None, description="limits that `coast check` holds the pair to")
     rank: Rank | None = Field(None, description="references that `coast rank-pairs` measures its criteria in")
     explore: Explore | None = Field(None, description="design space that `coast explore` searches")

@@ -15,7 +15,8 @@ from coast_cli.spec.changes import changed
 from coast_cli.spec.config import Config, Origin
 from coast_cli.spec.explore import check_explore
 from coast_cli.spec.positions import key_positions
-from coast_cli.spec.tubes import check_tubes
+from coast_cli.spec.transmission import NOTCHED, TRANSMISSION, TransmissionFields
+from coast_cli.spec.tubes import MISSING, check_tubes
 from coast_cli.spec.values import NUMBER, REFUSED, TABLE
 
 if TYPE_CHECKING:
@@ -25,13 +26,18 @@ if TYPE_CHECKING:
 
 REFERENCE = Path(__file__).with_name("reference.toml")
 LARGEST_FILE = 5_000_000
-MISSING = "a required key is missing"
 _ADVICE = {
     "missing": MISSING,
     "extra_forbidden": "there is no such key",
     "too_short": "nothing in it",
 }
-_TAGS = {NUMBER, TABLE, "[key]"}  # in pydantic's locations: the tags of a union, and the key of a dict
+_TAGS = {
+    NUMBER,
+    TABLE,
+    "[key]",
+    NOTCHED,
+    TRANSMISSION,
+}  # in pydantic's locations: the tags of a union, and the key of a dict
 _EXPECTED = {"model_type": "a table", "dict_type": "a table", "tuple_type": "a list"}
 
 
@@ -144,7 +150,7 @@ def _refusal(error: ErrorDetails, origin: Origin) -> BadInput:
     allowed = error.get("ctx", {}).get("allowed") if kind == REFUSED else _EXPECTED.get(kind)
     found: object = _shown(error["input"])
     if kind == "extra_forbidden":
-        known = _known_keys(path[:-1])
+        known = _known_keys(path[:-1], error["loc"])
         hint = nearest(str(path[-1]), known) or None
         found, allowed = None, ", ".join(known)
     elif kind == "missing":
@@ -166,8 +172,10 @@ def _shown(value: object) -> object:
     return "a list" if isinstance(value, list) and len(value) > 6 else value
 
 
-def _known_keys(path: positions.Path) -> list[str]:
-    """Return the keys that the table at a path may have."""
+def _known_keys(path: positions.Path, location: tuple[int | str, ...]) -> list[str]:
+    """Return the keys that the table at a path may have; pydantic's location says which form a table has."""
+    if path == ("joint",) and TRANSMISSION in location:
+        return list(TransmissionFields.model_fields)
     kind: Any = Config
     for part in path:
         if isinstance(part, str):

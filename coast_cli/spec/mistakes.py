@@ -10,8 +10,9 @@ from coast_cli.errors import BadInput
 from coast_cli.spec.build import build
 from coast_cli.spec.config import Config
 from coast_cli.spec.explore import check_explore
-from coast_cli.spec.load import MISSING, read_document, read_text
-from coast_cli.spec.tubes import rules
+from coast_cli.spec.load import read_document, read_text
+from coast_cli.spec.transmission import is_transmission
+from coast_cli.spec.tubes import MISSING, rules
 
 _MOST = 1000
 
@@ -40,7 +41,7 @@ def _of_design(config: Config) -> Iterator[BadInput]:
         if not (rule.of_all and told):
             yield from _new(rule.check, told)
     yield from _new(lambda: check_explore(config), told)
-    if not told:
+    if not told and not is_transmission(config):
         yield from _new(lambda: _check_joint(config), told)
 
 

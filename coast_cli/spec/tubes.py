@@ -11,9 +11,11 @@ from coast_cli.errors import BadInput, nearest
 from coast_cli.spec.config import FATIGUE_CYCLES, Config, Notch, RatioLimits, Sample, Stock
 from coast_cli.spec.positions import Path
 from coast_cli.spec.superelastic import check_superelastic
+from coast_cli.spec.transmission import check_transmission, is_transmission
 from coast_cli.spec.values import Calibrated
 
 Role = Literal["outer", "middle"]
+MISSING = "a required key is missing"
 MOST_NOTCHES = 2_000_000  # of all samples of a stock
 
 
@@ -68,6 +70,12 @@ class Rule:
 
 def rules(config: Config) -> Iterator[Rule]:
     """Yield what is checked, in the order in which it is told."""
+    if is_transmission(config):
+        yield Rule(partial(check_transmission, config))
+        yield Rule(partial(_check_corrections, config))
+        yield Rule(partial(_check_fitted, config))
+        return
+    yield Rule(partial(_check_materials, config))
     yield Rule(partial(_check_any_tube, config))
     yield Rule(partial(check_superelastic, config))
     yield Rule(partial(_check_names, config))
@@ -83,6 +91,11 @@ def rules(config: Config) -> Iterator[Rule]:
     yield Rule(partial(_check_limits, config))
     yield Rule(partial(_check_corrections, config))
     yield Rule(partial(_check_fitted, config))
+
+
+def _check_materials(config: Config) -> None:
+    if not config.materials:
+        raise config.refuse(("materials",), MISSING)
 
 
 def _check_any_tube(config: Config) -> None:
@@ -325,12 +338,12 @@ def _is_number(config: Config, key: str) -> bool:
 def _check_corrections(config: Config) -> None:
     if not config.corrections:
         return
-    from coast_cli.effects.catalogue import CATALOGUE
+    from coast_cli.effects.catalogue import CATALOGUE, OF_DEVICES
     from coast_cli.effects.corrections import faults
     from coast_cli.effects.own import add_installed
 
     if not CATALOGUE.keys() >= config.corrections.keys():
         add_installed()
-    for fault in faults(config.corrections, CATALOGUE):
+    for fault in faults(config.corrections, CATALOGUE, OF_DEVICES):
         path: Path = ("corrections", *fault.path)
         raise config.refuse(path, fault.message, found=fault.found, allowed=fault.allowed, hint=fault.hint)

@@ -1,9 +1,12 @@
-"""A synthetic recording to try `coast diagnose` on: `python examples/diagnose/generate.py` writes both files anew.
+"""A synthetic recording to try `coast diagnose` on: `python examples/diagnose/generate.py` writes its files anew.
 
 Nothing here was measured. Pair OT4/MT1 of configs/tubes.toml is pulled and released four times; the joint follows the
 paper's stroke model behind an actuator with play, which that model leaves out. Curvature noise is 0.25 per m and partly
 carried from sample to sample. The deadband is a little off from the configured one, as on any bench. foreign.csv is the
 same recording as another laboratory might have saved it: its own names, degrees, semicolons, decimal commas, a remark.
+
+cable.csv is another device: a motor that turns a jaw by a cable, at three loads. The cable stretches with the torque of the
+jaw, the jaw has play, and the jaw falls as the motor rises.
 """
 
 from __future__ import annotations
@@ -19,7 +22,7 @@ from coast_cli.spec.load import load_config
 
 FOLDER = Path(__file__).parent
 CONFIG = FOLDER.parents[1] / "configs" / "tubes.toml"
-RECORDING, FOREIGN = FOLDER / "recording.csv", FOLDER / "foreign.csv"
+RECORDING, FOREIGN, CABLE = FOLDER / "recording.csv", FOLDER / "foreign.csv", FOLDER / "cable.csv"
 
 PLAY_MM = 0.18
 DEADBAND_MM = 1.12
@@ -28,6 +31,9 @@ RATE_MM_PER_S = 0.1
 # Run, largest stroke (mm), bending length X2 (mm).
 RUNS = (("small-20", 2.6, 20.0), ("large-20", 3.8, 20.0), ("small-40", 3.0, 40.0), ("large-40", 4.6, 40.0))
 SAMPLES_A_BRANCH = 45
+# The cable: degrees of the jaw for one of the motor, play and stretch in degrees of the motor, torques of the jaw in N m.
+JAW_RATIO, JAW_PLAY_DEG, STRETCH_DEG_PER_N_M, JAW_NOISE_DEG = -0.9, 2.6, 90.0, 0.15
+TORQUES, SAMPLES_A_LOAD = (0.01, 0.04, 0.08, 0.02, 0.06), 120
 
 
 def play(stroke: np.ndarray, width: float) -> np.ndarray:
@@ -70,7 +76,26 @@ def foreign(lines: list[str]) -> list[str]:
     return others
 
 
+def cable() -> list[str]:
+    """Return the lines of the cable's recording: the motor swings twice at each load."""
+    random = np.random.default_rng(2018)
+    lines = ["time_s,trial,motor_angle_deg,jaw_angle_deg,jaw_torque_n_m"]
+    for number, torque in enumerate(TORQUES):
+        time = np.linspace(0.0, 20.0, SAMPLES_A_LOAD)
+        motor = 30.0 - 30.0 * np.cos(0.2 * np.pi * time + 0.7 * number)
+        load = torque * (1.0 + 0.03 * np.sin(0.5 * time))
+        pulled = motor - STRETCH_DEG_PER_N_M * load
+        inside = play(pulled - 0.5 * JAW_PLAY_DEG, JAW_PLAY_DEG)
+        jaw = JAW_RATIO * (inside - 80.0) + random.normal(scale=JAW_NOISE_DEG, size=time.size)
+        lines += [
+            f"{t:.3f},{100 * torque:g}%,{drive:.3f},{angle:.3f},{moment:.5f}"
+            for t, drive, angle, moment in zip(time, motor, jaw, load, strict=True)
+        ]
+    return lines
+
+
 if __name__ == "__main__":
     lines = rows()
     FOREIGN.write_text("\n".join(foreign(lines)) + "\n", encoding="utf-8")
+    CABLE.write_text("\n".join(cable()) + "\n", encoding="utf-8")
     RECORDING.write_text("\n".join(lines) + "\n", encoding="utf-8")

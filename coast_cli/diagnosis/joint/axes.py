@@ -30,17 +30,16 @@ def samples_of(problem: JointProblem, base: Fit) -> Samples:
     discrete: dict[str, list[NDArray[np.str_]]] = {}
     for run_index, column, rows in problem.sequences:
         run = problem.runs[run_index]
-        values: dict[str, FloatArray] = {"bending_length": run.bending_length / MILLIMETRE}
+        values: dict[str, FloatArray] = {}
+        if problem.device is None:
+            values["bending_length"] = run.bending_length / MILLIMETRE
+            values["curvature"] = _curvature(problem, run_index, predictions[run_index].response[:, column])
+        elif run.carried is not None:
+            values["load"] = run.carried
         if run.stroke is not None:
             values["stroke"] = run.stroke / MILLIMETRE
         if run.tension is not None:
             values["tension"] = run.tension
-        curvature = predictions[run_index].response[:, column]
-        if run.kind == "bend":
-            curvature = curvature / run.bending_length
-        elif run.kind == "notch":
-            curvature = curvature / float(problem.joints[run.pair].pitch)
-        values["curvature"] = curvature
         if run.time is not None:
             values["time"] = run.time
             values["rate"] = drive_speed(run) / (MILLIMETRE if run.stroke is not None else 1.0)
@@ -62,3 +61,11 @@ def samples_of(problem: JointProblem, base: Fit) -> Samples:
         continuous={axis: joined for axis, v in continuous.items() if (joined := np.concatenate(v)).size == size},
         discrete={axis: np.concatenate(v) for axis, v in discrete.items()},
     )
+
+
+def _curvature(problem: JointProblem, index: int, response: FloatArray) -> FloatArray:
+    """Return the curvature (1/m) that a predicted response of a run stands for."""
+    run = problem.runs[index]
+    if run.kind == "bend":
+        return response / run.bending_length
+    return response / float(problem.joints[run.pair].pitch) if run.kind == "notch" else response

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,9 +18,15 @@ from coast_cli.diagnosis.thresholds import (
     NOTCH_FRICTION_PRIOR,
     TENDON_MODULUS_PRIOR,
 )
+from coast_cli.errors import BadInput
 from coast_cli.recordings.evidence import evidence_of
+from coast_cli.spec.transmission import TransmissionFields
+from coast_cli.units import MILLIMETRE
 
 if TYPE_CHECKING:
+    from coast_cli.effects.effect import Effect
+    from coast_cli.mechanics.joint import Joint
+    from coast_cli.mechanics.transmission import Transmission
     from coast_cli.recordings.model import JointRun
     from coast_cli.spec.config import Config
 
@@ -32,6 +39,7 @@ _PRIORS = {
 _LOGARITHMIC = ("youngs_modulus_gpa", "tendon_youngs_modulus_gpa")
 FROM_DATA_SHEETS = ("tendon_youngs_modulus_gpa",)
 _TRIVIAL = 1e-12
+_WIDE = 3.0  # of what a recording spans, for numbers of which nothing is known beforehand
 
 
 def build_joint_problem(
@@ -50,13 +58,9 @@ def build_joint_problem(
         without: ids of effects that are neither named nor rivals. noise: of the response, SI, where it is known.
         trusting: whether numbers of data sheets are held as configured.
     """
-    from coast_cli.effects.catalogue import build_effects
     from coast_cli.recordings.faults import faults_of, repeating_rows
-    from coast_cli.spec.build import build_joint
 
-    joints = {run.pair: build_joint(config, run.outer, run.middle) for run in runs}
-    if config.tendon is None and any(run.stroke is not None for run in runs):
-        raise config.refuse(("tendon",), "a stroke needs a tendon", allowed="a [tendon] table")
+    built = _device(config, runs) if isinstance(config.joint, TransmissionFields) else _joints(config, runs)
     held = held_out or [np.zeros(len(run), bool) for run in runs]
     fitted = [not rows.all() for rows in held]
     drives = [run.drive for run in runs]
@@ -66,7 +70,7 @@ def build_joint_problem(
     if sum(int(rows.sum()) for rows in stale) >= FROZEN_SHARE * sum(len(run) for run in runs):
         # Where frames do repeat, rounding hides some of them.
         usable = [use & ~repeating_rows(run)[:, np.newaxis] for use, run in zip(usable, runs, strict=True)]
-    witness = all(run.tension is not None and run.stroke is not None for run in runs)
+    witness = built.device is None and all(run.tension is not None and run.stroke is not None for run in runs)
     if witness:
         columns = [required(run.tension)[:, np.newaxis] for run in runs]
         tension_usable, tension_noise = screened(columns, drives, fitted)
@@ -75,18 +79,77 @@ def build_joint_problem(
         tension_rows, tension_noise = tuple(np.zeros(len(run), bool) for run in runs), None
     return JointProblem(
         runs=tuple(runs),
-        joints=joints,
-        base=_free_parameters(config, runs, has_witness=witness and not trusting),
+        joints=built.joints,
+        base=built.base or _free_parameters(config, runs, has_witness=witness and not trusting),
         train=tuple(~rows for rows in held),
         usable=tuple(usable),
         tension_usable=tension_rows,
         noise=found_noise if noise is None else noise,
         tension_noise=tension_noise,
-        fixed_effects=build_effects(config.corrections),
+        fixed_effects=built.effects,
         faults=faults,
         concealed=frozenset(without),
         given_noise=noise,
+        device=built.device,
     )
+
+
+@dataclass(frozen=True)
+class _Built:
+    """What a configuration is, with the corrections that it carries; ``base``: its free parameters where they are known."""
+
+    effects: tuple[Effect, ...]
+    joints: Mapping[str, Joint] = field(default_factory=dict)
+    device: Transmission | None = None
+    base: tuple[BaseParameter, ...] = ()
+
+
+def _joints(config: Config, runs: Sequence[JointRun]) -> _Built:
+    from coast_cli.effects.catalogue import build_effects
+    from coast_cli.spec.build import build_joint
+
+    joints = {run.pair: build_joint(config, run.outer, run.middle) for run in runs}
+    if config.tendon is None and any(run.stroke is not None for run in runs):
+        raise config.refuse(("tendon",), "a stroke needs a tendon", allowed="a [tendon] table")
+    return _Built(build_effects(config.corrections), joints)
+
+
+def _device(config: Config, runs: Sequence[JointRun]) -> _Built:
+    from coast_cli.effects.devices import build_device_effects
+    from coast_cli.spec.transmission import build_transmission, takes_response
+
+    fields, first = config.joint, runs[0]
+    if not isinstance(fields, TransmissionFields):
+        raise TypeError(type(fields))
+    if not takes_response(first.kind):
+        allowed = "bend_deg, position_mm or force_n"
+        raise BadInput(
+            "no response of a transmission",
+            file=first.source,
+            line=int(first.line[0]),
+            found=first.kind,
+            allowed=allowed,
+        )
+    by_stroke = first.stroke is not None
+    device = build_transmission(fields, first.kind, by_stroke=by_stroke)
+    unit = MILLIMETRE if by_stroke else 1.0
+    span = max(max(float(np.ptp(run.drive)) for run in runs) / unit, _TRIVIAL)
+    bent = max(float(np.nanmax(run.response) - np.nanmin(run.response)) for run in runs) / (device.ratio_unit * unit)
+    loads = [load for run in runs if (load := run.carried) is not None]
+    carried = float(np.ptp(np.concatenate(loads))) if len(loads) == len(runs) else 0.0
+    widths = {"ratio": bent / span, "zero_mm": span}
+    if first.kind == "force" and carried > 0.0:
+        widths["load_ratio"] = bent * device.ratio_unit * unit / carried
+    base = [_of_device(config, name, max(width, _TRIVIAL)) for name, width in widths.items()]
+    return _Built(build_device_effects(config.corrections), {}, device, tuple(base))
+
+
+def _of_device(config: Config, name: str, width: float) -> BaseParameter:
+    """Return a free number of a transmission: what was recorded says how large it may be, unless bounds are given."""
+    value, low, high = config.bounds(CONFIG_KEYS[name])
+    given = _given_bounds(config, name)
+    prior = _WIDE * (width + abs(value)) if given is None else (high - low) / 4.0
+    return BaseParameter(name, value, low, high, max(prior, _TRIVIAL))
 
 
 def _free_parameters(config: Config, runs: Sequence[JointRun], *, has_witness: bool) -> tuple[BaseParameter, ...]:

@@ -24,8 +24,11 @@ HELD_FIRST = (
     "notch_friction",
     "youngs_modulus_gpa",
     "deadband_mm",
+    "load_ratio",
+    "zero_mm",
+    "ratio",
 )
-USUAL = ("youngs_modulus_gpa", "notch_friction", "deadband_mm")
+USUAL = ("youngs_modulus_gpa", "notch_friction", "deadband_mm", "ratio", "zero_mm")  # each where the device has it
 LOGARITHMIC = ("youngs_modulus_gpa", "tendon_youngs_modulus_gpa", "tendon_length_mm")
 
 
@@ -45,6 +48,7 @@ REASON: Mapping[str, tuple[Callable[[float], float], Callable[[float], float]]] 
     "pulley_friction": (lambda _: 0.0, lambda _: 2.0),
     "wrap_angle_rad": (lambda _: 0.0, lambda value: value + 2.0 * np.pi),
     "deadband_mm": (lambda _: 0.0, lambda value: value + 20.0),
+    **dict.fromkeys(("ratio", "zero_mm", "load_ratio"), (lambda _: -1e6, lambda _: 1e6)),
 }
 
 
@@ -78,7 +82,7 @@ class Calibratable:
 def calibratable(
     config: Config, names: Sequence[str] = (), fixed: Mapping[str, float] | None = None
 ) -> tuple[Calibratable, ...]:
-    """Return the parameters to fit: those named, else those the configuration gives bounds, else the usual three.
+    """Return the parameters to fit: those named, else those the configuration gives bounds, else the usual ones.
 
     Args:
         fixed: values at which parameters are held, which are then not fitted, in the units of their names.

@@ -12,6 +12,7 @@ from coast_cli.diagnosis.joint.moments import lost_steps
 from coast_cli.diagnosis.problem import Contender
 from coast_cli.diagnosis.space import BaseParameter, Coordinate, ParameterSpace
 from coast_cli.effects.catalogue import effects_of
+from coast_cli.effects.devices import device_effects
 from coast_cli.effects.effect import Effect, Need, Parameter, Scale
 from coast_cli.effects.library.lost_steps import LostSteps
 
@@ -36,7 +37,7 @@ def applicable(problem: JointProblem) -> list[type[Effect]]:
     left_out = problem.concealed | {effect.id for effect in problem.fixed_effects}
     return [
         effect
-        for effect in effects_of("joint").values()
+        for effect in (effects_of("joint") if problem.device is None else device_effects()).values()
         if effect.id not in left_out
         and all(problem.holds.get(need, True) for need in effect.needs)
         and not any(parameter.role == "found" for parameter in effect.parameters)

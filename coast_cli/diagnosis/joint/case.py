@@ -25,6 +25,7 @@ from coast_cli.diagnosis.joint.unseen import foretold, runs_against_the_rest, st
 from coast_cli.diagnosis.joint.witness import strained
 from coast_cli.diagnosis.joint.words import (
     SAME_SWEEP_AGAIN,
+    device_limits,
     joint_limits,
     loop_note,
     one_length,
@@ -47,6 +48,7 @@ from coast_cli.diagnosis.thresholds import (
     HARM,
     MAX_HELD_OUT_SHARE,
     MAX_UNEXPLAINED_SHARE,
+    MAX_UNEXPLAINED_SHARE_OF_DEVICES,
     MAX_UNEXPLAINED_SHARE_OF_SETS,
     REFUSED_NAMES,
     REPEATS,
@@ -96,6 +98,8 @@ class JointCase(Case):
     @property
     def allowed_share(self) -> float:
         """Share of what was explained that may be left over; less of a set, which may draw anything."""
+        if self.problem.device is not None:
+            return MAX_UNEXPLAINED_SHARE_OF_DEVICES
         single = len(self.leading.ids) < 2 or self.problem.runs[0].kind == "notch"
         return MAX_UNEXPLAINED_SHARE if single else MAX_UNEXPLAINED_SHARE_OF_SETS
 
@@ -325,7 +329,7 @@ class JointCase(Case):
         )
         kept = "needs direction or history" if self.structure.memory else "needs neither direction nor history"
         repeats = f"{100 * max(self.structure.repeats, 0.0):.0f} % of it repeats from run to run"
-        unit = "1/m" if self.problem.runs[0].kind == "curvature" else "degrees"
+        unit = {"curvature": "1/m", "position": "mm", "force": "N"}.get(self.problem.runs[0].kind, "degrees")
         words = f"{self.in_unit(size):.3g} {unit} is left that no effect of the catalogue explains"
         return Leftover(size, f"{words}; {repeats}, and it {kept}")
 
@@ -377,7 +381,7 @@ class JointCase(Case):
         if ruling.verdict == "unnamed" and self.law is not None:
             alike = () if self.told is None else self.told.alike(self.law)
             return parting(self.problem, [one.fit for one in alike]) or self.law.law.decided_by
-        if self.rivals and self.described is None:
+        if self.rivals and self.described is None and self.problem.device is None:
             from coast_cli.diagnosis.joint.plan import next_recording
 
             proposals = next_recording(self.problem, [self.leading.fit, *(rival.fit for rival in self.rivals[:3])])
@@ -392,6 +396,7 @@ class JointCase(Case):
         """Return what joint_limits the answer, a sentence each."""
         leading = self.leading.fit
         notes = [*joint_limits(self.problem), *loop_note(self.problem, leading.effects), *one_length(self.problem)]
+        notes += device_limits(self.problem)
         if not self.kept_back.runs:
             notes.append(f"held out: {self.kept_back.rule}")
         if self.leading.ids and not self.choosing.any:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -15,14 +15,16 @@ from coast_cli.effects.forward import Prediction
 from coast_cli.mechanics.joint import tip
 from coast_cli.mechanics.section import FloatArray
 from coast_cli.recordings.model import JointRun
-from coast_cli.units import DEGREE, MILLIMETRE
+from coast_cli.recordings.summary import UNITS as RESPONSE_UNITS
+from coast_cli.units import MILLIMETRE
 
-UNITS = {"curvature": "curvature_per_m", "bend": "bend_deg", "notch": "notch_deg"}
+UNITS: Mapping[str, str] = {name: unit for name, (unit, _) in RESPONSE_UNITS.items()}
+_SI: Mapping[str, float] = {name: size for name, (_, size) in RESPONSE_UNITS.items()}
 
 
 def to_unit(kind: str, value: float) -> float:
-    """Return an SI response as its table unit: 1/m, or degrees."""
-    return value if kind == "curvature" else value / DEGREE
+    """Return an SI response in the unit of tables: 1/m, degrees, mm or N."""
+    return value / _SI[kind]
 
 
 def errors_of(
@@ -51,17 +53,19 @@ def pooled_errors(problem: JointProblem, predictions: Sequence[Prediction], rows
     for run, prediction, wanted, usable in zip(problem.runs, predictions, rows, problem.usable, strict=True):
         use = usable & wanted[:, np.newaxis]
         response.append((prediction.response - run.response)[use])
+        if problem.device is not None:
+            continue
         whole = np.all(use, axis=1)
         pitch = float(np.mean(problem.joints[run.pair].middle.pitch))
         x, y = tip_of(run, prediction.response[whole], run.bending_length[whole], pitch)
         seen_x, seen_y = tip_of(run, run.response[whole], run.bending_length[whole], pitch)
         tips.append(np.hypot(x - seen_x, y - seen_y))
-    error, distance = np.concatenate(response), np.concatenate(tips)
+    error = np.concatenate(response)
     kind = problem.runs[0].kind
     return Errors(
         count=int(error.size),
         response=to_unit(kind, rms(error)),
-        tip_mm=rms(distance) / MILLIMETRE,
+        tip_mm=rms(np.concatenate(tips)) / MILLIMETRE if tips else float("nan"),
     )
 
 

@@ -53,7 +53,7 @@ def _expendable(runs: Sequence[JointRun]) -> tuple[str, ...]:
 
 
 def _conditions(run: JointRun) -> set[tuple[str, object]]:
-    length = round(float(np.median(run.bending_length)) * 1e4)
+    length = round(float(np.nan_to_num(np.median(run.bending_length))) * 1e4)  # a device has none
     directions = {("direction", int(way)) for way in np.unique(run.direction) if int(np.sum(run.direction == way)) >= 3}
     return {("length", length), ("pair", run.pair), *directions}
 

@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 
 from coast_cli.diagnosis.fit import Fit, fit, rms
 from coast_cli.diagnosis.joint.candidates import joint_candidates, joint_space
+from coast_cli.diagnosis.joint.histories import Recorded, recorded_history
+from coast_cli.diagnosis.joint.scales import scales_of
 from coast_cli.diagnosis.noise_model import NoiseBank
 from coast_cli.diagnosis.problem import Channel, Contender, Effort, Variant
 from coast_cli.diagnosis.space import BaseParameter, Booleans, ParameterSpace, Point, bounds_of, configured_coordinates
@@ -19,6 +21,8 @@ from coast_cli.diagnosis.thresholds import (
     DIFFERENCES_MARGIN,
     FEWEST_RUNS_TO_DIFFER,
     FLOOR_DOUBT,
+    LEAST_TAKEN_OF_DEVICES,
+    MOST_BEHIND_OF_DEVICES,
     ONE_SAMPLE_SHARE,
     SLOW_NOISE,
     SMALLEST,
@@ -26,15 +30,17 @@ from coast_cli.diagnosis.thresholds import (
     SMOOTH_MISFIT_SHAPES,
 )
 from coast_cli.effects.catalogue import in_order
-from coast_cli.effects.effect import Effect, History, Need, RecordingKind, Scale
+from coast_cli.effects.devices import predict_device
+from coast_cli.effects.effect import Effect, Need, RecordingKind, Scale
 from coast_cli.effects.forward import Layout, Prediction, Tables, predict
 from coast_cli.effects.plateau import has_own_curve
 from coast_cli.mechanics.joint import Joint, curvature_from_stroke
 from coast_cli.mechanics.section import FloatArray
+from coast_cli.mechanics.transmission import Transmission
 from coast_cli.recordings.evidence import Evidence as Held
 from coast_cli.recordings.evidence import evidence_of
 from coast_cli.recordings.model import JointRun
-from coast_cli.units import GIGAPASCAL, MEGAPASCAL, MILLIMETRE
+from coast_cli.units import GIGAPASCAL, MILLIMETRE
 
 if TYPE_CHECKING:
     from coast_cli.recordings.faults import Faults
@@ -50,35 +56,12 @@ CONFIG_KEYS = {
     "pulley_friction": "joint.pulley_friction",
     "wrap_angle_rad": "joint.wrap_angle_rad",
     "tendon_length_mm": "tendon.length_mm",
+    "ratio": "joint.ratio",
+    "zero_mm": "joint.zero_mm",
+    "load_ratio": "joint.load_ratio",
 }
 EFFORT = Effort(fitted=(9, 5), finished=(5, 4), starts=2, steps=5, second=0.6)
-
-
-@dataclass(frozen=True, slots=True)
-class Recorded:
-    """What the drive did in a run, with the turning points that its samples miss, and at which rows (n,) it was seen."""
-
-    run: int
-    history: History
-    rows: NDArray[np.int64]
-
-
-def recorded_history(run: JointRun, index: int, first_time: float) -> Recorded:
-    """Return the history of a run; without a clock its samples are taken as one second apart."""
-    from coast_cli.recordings.corners import missed_corners
-
-    clock = np.arange(len(run), dtype=np.float64) if run.time is None else run.time - first_time
-    corners = missed_corners(run.drive, clock, run.branches)
-    drive = np.insert(run.drive, corners.before, corners.drive)
-    history = History(
-        np.insert(clock, corners.before, corners.time),
-        None if run.stroke is None else drive,
-        drive if run.stroke is None else None,
-        np.insert(run.bending_length, corners.before, run.bending_length[corners.before]),
-        run=index,
-    )
-    rows = np.arange(len(run)) + np.searchsorted(corners.before, np.arange(len(run)), side="right")
-    return Recorded(index, history, rows)
+DEVICE_EFFORT = replace(EFFORT, most_behind=float(MOST_BEHIND_OF_DEVICES))
 
 
 @dataclass(frozen=True)
@@ -87,7 +70,7 @@ class JointProblem:
 
     Attributes:
         runs: in the order they were recorded.
-        joints: by pair name, with configured parameters.
+        joints: by pair name, with configured parameters; none where the device has no tubes.
         base: the free parameters of the base model.
         train: for each run which rows are fitted, (n,).
         usable: for each run and column which samples count at all (not dropped, not an outlier), (n, k).
@@ -97,6 +80,7 @@ class JointProblem:
         concealed: ids of effects that are neither named nor rivals.
         given_noise: level of the response's noise where the user knows it, SI.
         faults: what is wrong with the rows themselves, run by run.
+        device: a transmission without tubes, as configured; None of a notched joint.
     """
 
     runs: tuple[JointRun, ...]
@@ -111,6 +95,7 @@ class JointProblem:
     concealed: frozenset[str] = frozenset()
     given_noise: float | None = None
     faults: tuple[Faults, ...] = ()
+    device: Transmission | None = None
 
     @property
     def recording(self) -> RecordingKind:
@@ -140,7 +125,8 @@ class JointProblem:
         """Drive histories by pair, in the order of the runs."""
         by_pair: dict[str, list[Recorded]] = {}
         for index, run in enumerate(self.runs):
-            by_pair.setdefault(run.pair, []).append(recorded_history(run, index, self.first_time))
+            recorded = recorded_history(run, index, self.first_time, has_tubes=self.device is None)
+            by_pair.setdefault(run.pair, []).append(recorded)
         return by_pair
 
     @cached_property
@@ -171,9 +157,14 @@ class JointProblem:
             "period": self.swing is not None,
             "flat_end": any(one.clipped.any() or one.flat_end for one in self.faults),
             "frozen": self.frozen_fraction > 0.0,
-            "load": False,
-            "far_end": self.tension_noise is not None,
+            "load": self._has_load,
+            "far_end": self.tension_noise is not None or (self.device is not None and self._has_load),
+            "force": self.runs[0].kind == "force",
         }
+
+    @cached_property
+    def _has_load(self) -> bool:
+        return all(one.history.load is not None for several in self.histories.values() for one in several)
 
     @property
     def frozen_fraction(self) -> float:
@@ -187,7 +178,7 @@ class JointProblem:
         return found[0] if 2 * len(found) >= len(self.runs) else None
 
     @cached_property
-    def _fitted_runs(self) -> tuple[JointRun, ...]:
+    def fitted_runs(self) -> tuple[JointRun, ...]:
         """Runs with rows that are fitted: nothing that a verdict rests on is taken from the others."""
         return tuple(run for run, rows in zip(self.runs, self.train, strict=True) if rows.any()) or self.runs
 
@@ -196,7 +187,7 @@ class JointProblem:
         """What the recording itself says of its noise, whatever the model."""
         from coast_cli.recordings.noise import recording_noise
 
-        return recording_noise(self._fitted_runs, self.given_noise)
+        return recording_noise(self.fitted_runs, self.given_noise)
 
     @property
     def highest_floor(self) -> float:
@@ -235,6 +226,8 @@ class JointProblem:
 
     def predict_with(self, values: Mapping[str, float], effects: Sequence[Effect]) -> list[Prediction]:
         """Return the prediction of every run in order, from base parameters in user units; those not given stay."""
+        if self.device is not None:
+            return self._predict_device(self.device.with_values(values), effects)
         found: dict[int, Prediction] = {}
         for pair, recorded in self.histories.items():
             joint = with_base(self.joints[pair], values)
@@ -242,6 +235,15 @@ class JointProblem:
             predicted = predict(joint, (*self.fixed_effects, *effects), histories, self.layouts[pair], self.tables)
             for one, whole in zip(recorded, predicted, strict=True):
                 found[one.run] = Prediction(whole.response[one.rows], whole.tension[one.rows])
+        return [found[index] for index in range(len(self.runs))]
+
+    def _predict_device(self, device: Transmission, effects: Sequence[Effect]) -> list[Prediction]:
+        recorded = [one for several in self.histories.values() for one in several]
+        whole = predict_device(device, (*self.fixed_effects, *effects), [one.history for one in recorded])
+        found = {
+            one.run: Prediction(response[one.rows], np.zeros(one.rows.size))
+            for one, response in zip(recorded, whole, strict=True)
+        }
         return [found[index] for index in range(len(self.runs))]
 
     @cached_property
@@ -293,43 +295,7 @@ class JointProblem:
 
     def scales(self) -> dict[Scale, float]:
         """Return the largest curvature, strain, tension and so on that the recording reaches at configured values."""
-        from coast_cli.effects.stations import stations_for
-
-        curvature, strain, closure, tension = 1e-9, 1e-9, 1e-9, 1e-9
-        stiffest = max(joint.youngs_modulus for joint in self.joints.values())
-        predictions = self.predict(self.configured(), ())
-        for run, prediction in zip(self.runs, predictions, strict=True):
-            if run not in self._fitted_runs:
-                continue
-            joint = self.joints[run.pair]
-            stations = stations_for(joint, (), float(run.bending_length[0]), run.kind, run.response.shape[1])
-            divisor = {
-                "curvature": 1.0,
-                "bend": float(run.bending_length.mean()),
-                "notch": float(stations.pitch.mean()),
-            }
-            seen = float(np.nanmax(np.abs(run.response), initial=0.0)) / divisor[run.kind]
-            curvature = max(curvature, seen)
-            strain = max(strain, seen * float(stations.segment.strain_per_curvature.mean()))
-            closure = max(closure, seen / float(stations.segment.closing_curvature.mean()))
-            measured = run.tension if run.tension is not None else prediction.tension
-            tension = max(tension, float(np.nanmax(measured, initial=0.0)))
-        response = max(float(np.nanmax(np.abs(run.response), initial=0.0)) for run in self._fitted_runs)
-        spans = [float(np.ptp(run.time)) for run in self.runs if run.time is not None and run.time.size]
-        return {
-            "": 1.0,
-            "curvature": curvature,
-            "strain": strain,
-            "stress": strain * stiffest / MEGAPASCAL,
-            "closure": closure,
-            "tension": tension,
-            "duration": max(spans, default=1.0),
-            "response": response,
-            "stroke": max(float(np.ptp(run.drive)) / MILLIMETRE for run in self.runs),
-            "runs": float(len(self.runs)),
-            "period": 10.0 * self.swing.period if self.swing is not None else 1.0,
-            "compliance": 1.0,
-        }
+        return scales_of(self)
 
     @cached_property
     def refitted(self) -> Fit:
@@ -354,7 +320,7 @@ class JointProblem:
     @property
     def effort(self) -> Effort:
         """How wide to search."""
-        return EFFORT
+        return EFFORT if self.device is None else DEVICE_EFFORT
 
     @property
     def noise_floor(self) -> float:
@@ -412,7 +378,12 @@ class JointProblem:
         return 2 if self.tension_noise is None else 3
 
     def is_needed(self, larger: Fit, smaller: Fit, base: Fit) -> bool:
-        """Return whether a larger set changes enough, and more than one sample: an outlier is no effect."""
+        """Return whether a larger set changes enough, and more than one sample: an outlier is no effect.
+
+        What the line of a device leaves is no noise: an effect must take a part of it, not only make it smoother.
+        """
+        if self.device is not None and larger.rmse > (1.0 - LEAST_TAKEN_OF_DEVICES) * smaller.rmse:
+            return False
         change, gain = 0.0, []
         for before, after, evidence in zip(smaller.residuals, larger.residuals, larger.evidences, strict=True):
             level = max(evidence.level, 1e-15)

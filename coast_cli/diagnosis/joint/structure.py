@@ -117,7 +117,7 @@ def _features(problem: JointProblem) -> tuple[dict[str, FloatArray], FloatArray]
             "drive": run.drive / peak,
             "direction": 2.0 * run.direction.astype(float),
             "largest": np.maximum.accumulate(run.drive) / peak,
-            "length": run.bending_length / longest * 3.0,
+            "length": np.nan_to_num(run.bending_length / longest * 3.0),  # a device has none
         }
         if run.time is not None and run.time.size:
             span = max(float(np.ptp(run.time)), 1e-12)

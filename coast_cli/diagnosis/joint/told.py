@@ -56,7 +56,7 @@ def known_of(problem: JointProblem, final: Fit, errors: tuple[float, float] | No
 
 def parting(problem: JointProblem, alike: Sequence[Fit]) -> str:
     """Return the recording that would part the leading two of several fits that explain alike, or an empty text."""
-    proposals = next_recording(problem, alike[:2])
+    proposals = next_recording(problem, alike[:2]) if problem.device is None else []
     if not proposals or proposals[0].gain < _LEAST_GAIN:
         return ""
     return f"{proposals[0].words} (expected to add {proposals[0].gain:.0f} nats between the leading two)"
@@ -80,7 +80,7 @@ def _covariance(problem: JointProblem, final: Fit, law: UnnamedLaw) -> FloatArra
 def _dissipated(problem: JointProblem, final: Fit) -> tuple[float | None, str]:
     """Return the work (J) that the laws take in one full loop of the drive at its usual rate, and the loop in words."""
     taking = [law for law in laws_of(final.effects) if law.place in _TAKES and dissipates(law)]
-    if not taking:
+    if not taking or problem.device is not None:
         return None, ""
     drives = [run.drive for run in problem.runs]
     low, top = min(float(drive.min()) for drive in drives), max(float(drive.max()) for drive in drives)

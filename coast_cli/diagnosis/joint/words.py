@@ -7,8 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from coast_cli.diagnosis.fit import Fit
+from coast_cli.diagnosis.joint.candidates import applicable
 from coast_cli.diagnosis.joint.loop import widest_loop
 from coast_cli.diagnosis.joint.problem import JointProblem, with_base
+from coast_cli.effects.catalogue import effects_of
+from coast_cli.effects.devices import device_effects
 from coast_cli.effects.effect import Effect
 from coast_cli.effects.library.backlash import Backlash
 from coast_cli.effects.library.tube_superelasticity import TubeSuperelasticity
@@ -48,7 +51,7 @@ def one_length(problem: JointProblem) -> list[str]:
 
 def loop_note(problem: JointProblem, effects: Sequence[Effect]) -> list[str]:
     """Say how wide the loop is low and high up, where what was named is one of those that make loops."""
-    loop = widest_loop(problem.runs)
+    loop = widest_loop(problem.runs) if problem.device is None else None
     if loop is None or not any(effect.reverses or isinstance(effect, Backlash) for effect in effects):
         return []
     unit, name = (MILLIMETRE, "mm") if problem.runs[0].stroke is not None else (1.0, "N")
@@ -68,6 +71,8 @@ def plateau_note(problem: JointProblem, fit: Fit) -> list[str]:
 
 def untested(problem: JointProblem) -> str:
     """Return the recording that would show what this one cannot, in bench words; empty where little is left open."""
+    if problem.device is not None:
+        return _untested_device(problem)
     runs = problem.runs
     top = max(float(np.max(run.drive)) for run in runs)
     reach = f"{top / MILLIMETRE:.3g} mm" if runs[0].stroke is not None else f"{top:.3g} N"
@@ -86,3 +91,24 @@ def untested(problem: JointProblem) -> str:
     if runs[0].stroke is not None and problem.tension_noise is None:
         parts.append("record tension_n")
     return "; ".join(parts)
+
+
+def _untested_device(problem: JointProblem) -> str:
+    parts = [] if problem.holds["release"] else ["the same way back and forth again"]
+    if not problem.holds["time"] or not problem.holds["rates"]:
+        parts.append("record time_s, at two rates ten times apart, with a hold at both ends")
+    if not problem.holds["load"]:
+        parts.append("record the load of the far end (load_n or load_n_m), at two loads")
+    return "; ".join(parts)
+
+
+def device_limits(problem: JointProblem) -> list[str]:
+    """Return what is no candidate on a device without tubes, as a note."""
+    if problem.device is None:
+        return []
+    acting = {effect.id for effect in applicable(problem)}
+    needing = [i for i in device_effects() if i not in acting | set(problem.concealed)]
+    without = len(set(effects_of("joint")) - set(device_effects()))
+    text = f"a transmission has no tubes, tendon or notches: {without} effects that act there are no candidates"
+    holds = "not looked for here, as the recording holds nothing of them"
+    return [f"{text}; {holds}: {', '.join(needing)}" if needing else text]

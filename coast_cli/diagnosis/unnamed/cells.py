@@ -102,7 +102,7 @@ class Scene:
     def curvature(self, run: int, column: int) -> FloatArray:
         """Return the curvature (1/m) that a response column stands for."""
         kind, response = self.problem.runs[run].kind, self.responses[run][:, column]
-        if kind == "bend":
+        if kind == "bend" and self.problem.device is None:
             return np.asarray(response / self.problem.runs[run].bending_length)
         return response / self.pitch(run) if kind == "notch" else response
 
@@ -137,7 +137,12 @@ class Scene:
 
 
 def cells_of(scene: Scene) -> Iterator[Cell]:
-    """Yield every cell that the recording can hold."""
+    """Yield every cell that the recording can hold; a device without tubes has a drive and a sensor only."""
+    found = _cells_of(scene)
+    return found if scene.problem.device is None else (cell for cell in found if cell.place in ("drive", "sensor"))
+
+
+def _cells_of(scene: Scene) -> Iterator[Cell]:
     problem = scene.problem
     driven, clock = problem.runs[0].stroke is not None, problem.holds["time"]
     released, notches = problem.holds["release"], problem.runs[0].kind == "notch"

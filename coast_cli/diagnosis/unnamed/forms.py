@@ -15,7 +15,7 @@ from coast_cli.effects.seen import UNITS
 from coast_cli.effects.unnamed import Place, UnnamedLaw, Variable
 from coast_cli.effects.unnamed_shape import Law
 from coast_cli.mechanics.section import FloatArray
-from coast_cli.units import DEGREE
+from coast_cli.units import DEGREE, MILLIMETRE
 
 # A typed form is printed where it misses the smooth one by less than this part of it.
 HOLDS_TO = 0.1
@@ -68,6 +68,15 @@ _LABELS: Mapping[Place, str] = {
 }
 
 
+_RESPONSES: Mapping[str, tuple[str, str, float]] = {
+    "curvature": ("kappa", "1/m", 1.0),
+    "bend": ("theta", "degrees", DEGREE),
+    "notch": ("theta", "degrees", DEGREE),
+    "position": ("p", "mm", MILLIMETRE),
+    "force": ("R", "N", 1.0),
+}
+
+
 @dataclass(frozen=True, slots=True)
 class Display:
     """In which units a recording's laws are shown: its kind of response, and whether a tension drives it."""
@@ -78,7 +87,8 @@ class Display:
     def axis(self, law: UnnamedLaw) -> tuple[str, str, float]:
         """Return symbol and unit of a law's variable, and SI units in one of it."""
         if law.place == "sensor" and law.variable == "curvature" and self.response != "curvature":
-            return "theta", "degrees", DEGREE
+            symbol, unit, scale = _RESPONSES[self.response]
+            return symbol, unit, scale
         if self.driven_by_tension and law.variable in _UNITS_OF_TENSION:
             return _UNITS_OF_TENSION[law.variable]
         return UNITS[law.variable]
@@ -86,7 +96,7 @@ class Display:
     def amplitude(self, law: UnnamedLaw) -> tuple[str, float]:
         """Return the unit of what a law adds, empty for a pure number, and that unit in the law's own."""
         if law.place == "sensor":
-            return ("1/m", 1.0) if self.response == "curvature" else ("degrees", DEGREE)
+            return _RESPONSES[self.response][1:]
         if law.place == "drive" and self.driven_by_tension:
             return "N", 1.0
         return _AMPLITUDES[law.place], 1.0
@@ -162,7 +172,7 @@ def drawn(law: UnnamedLaw, display: Display, covariance: FloatArray | None = Non
         least = 0.0 if law.memory == "friction" else -np.inf
         low, high = np.maximum(fitted - half, least), np.maximum(fitted + half, least)
     drive = "F" if display.driven_by_tension and law.place == "drive" else "X1"
-    response = "kappa" if display.response == "curvature" else "theta"
+    response = _RESPONSES[display.response][0]
     enters = (_ENTERS_AGAINST if law.memory == "friction" else _ENTERS)[law.place]
     label = _LABELS_AGAINST[law.place] if law.memory == "friction" else _LABELS[law.place]
     label = label.replace("stroke", "tension") if drive == "F" else label

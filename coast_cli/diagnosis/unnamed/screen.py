@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -70,8 +70,8 @@ class Probe(OnDrive, OnTransmission, OnStructure, OnSensor, OnLoadCell):
     def drive(self, history: History) -> History:
         """Add to the stroke (mm), or to the tension where that drives."""
         if history.stroke is not None:
-            return _moved(history, stroke=history.stroke + self.amount * MILLIMETRE)
-        return _moved(history, tension=history.drive + self.amount)
+            return replace(history, stroke=history.stroke + self.amount * MILLIMETRE)
+        return replace(history, tension=history.drive + self.amount)
 
     def friction(self, direction: int, joint: Joint, bending_length: float) -> float:
         """Add to ln of the tension ratio."""
@@ -88,17 +88,6 @@ class Probe(OnDrive, OnTransmission, OnStructure, OnSensor, OnLoadCell):
     def weigh(self, tension: FloatArray, history: History) -> FloatArray:
         """Add to the tension read."""
         return tension + self.amount
-
-
-def _moved(history: History, *, stroke: FloatArray | None = None, tension: FloatArray | None = None) -> History:
-    return History(
-        history.time,
-        history.stroke if stroke is None else stroke,
-        history.tension if tension is None else tension,
-        history.bending_length,
-        history.earlier_tension,
-        history.run,
-    )
 
 
 @dataclass(frozen=True, slots=True)

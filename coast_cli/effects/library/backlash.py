@@ -1,7 +1,8 @@
 """Backlash: play in the actuator's train loses a constant stroke at each reversal.
 
 The stroke that reaches the tendon is the play operator of the commanded one. It is anchored on the loading side, where
-the dead band is calibrated: x = clip(x_before, X1, X1 + width).
+the dead band is calibrated: x = clip(x_before, X1, X1 + width). A device without tubes moves to both sides: there the play
+lies evenly about the drive, and a run starts where in it its first response says.
 """
 
 from __future__ import annotations
@@ -37,5 +38,8 @@ class Backlash(OnDrive):
         """Replace the stroke by what is left of it behind the play."""
         if history.stroke is None or self.width_mm == 0.0:
             return history
-        stroke = history.stroke
-        return replace(history, stroke=follow(stroke, stroke + self.width_mm * MILLIMETRE))
+        width, stroke = self.width_mm * MILLIMETRE, history.stroke
+        if history.start is not None:
+            low = stroke - 0.5 * width
+            return replace(history, stroke=follow(low, low + width, history.start))
+        return replace(history, stroke=follow(stroke, stroke + width))

@@ -53,7 +53,7 @@ def runs() -> list[History]:
     up, down = np.linspace(0.0, 4e-3, SAMPLES), np.linspace(4e-3, 0.0, SAMPLES)
     stroke = np.concatenate([up, down, up[: SAMPLES // 2]])
     time = 0.1 * np.arange(stroke.size)
-    load = np.linspace(0.0, 1.0, stroke.size)
+    load = np.linspace(0.0, 5e-3, stroke.size)  # a force at the tip, N
     return [
         History(time, stroke, None, np.full(stroke.size, length), run=number, load=load)
         for number, length in enumerate((0.02, 0.035))
@@ -73,7 +73,7 @@ def _middle_of_range(effect: type[Effect]) -> Effect:
         "response": 40.0,
         "stroke": 4.0,
         "period": 20.0,
-        "compliance": 1.0,
+        "compliance": 200.0,
         "runs": 2.0,
     }
     return effect(
