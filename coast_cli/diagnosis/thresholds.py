@@ -154,6 +154,8 @@ FEWEST_RUNS_TO_SPARE = Threshold(4, "runs", "left, from which on one of them cho
 MOST_UNSEEN_NOISE = Threshold(
     1.5, "noise widths", "beyond the noise and the fit's doubt that unseen rows may lie", _REASON
 )
+BY_CHANCE = Threshold(0.01, "", "chance that noise alone makes rows or runs look missed, over all runs asked", _REASON)
+LONE_SHARE = Threshold(0.03, "of rows", "that may stand far off for them to be outliers and no misfit", _REASON)
 UNSEEN_DOUBT = Threshold(1.9, "standard deviations", "of the fit's own doubt that unseen rows are granted", _REASON)
 MAX_UNEXPLAINED_SHARE_OF_DEVICES = Threshold(
     0.5,
@@ -188,7 +190,7 @@ ODDS_BESIDE = Threshold(0, "log odds", "where a law stands beside the names", _P
 ODDS_NAMES = Threshold(1.04, "log odds", "of a set of names", _PILOT)
 ODDS_DOUBT = Threshold(1.38, "log odds", "a unit of the noise level's standard deviation of logarithm", _PILOT)
 MODULUS_CALIBRATED = Threshold(
-    0.03, "of its logarithm", "to which a configured modulus is known, as calibrations repeat", _REASON
+    0.05, "of its logarithm", "to which a configured modulus is known, as calibrations repeat", _REASON
 )
 DOUBTED_NAMES = Threshold(
     0.5,

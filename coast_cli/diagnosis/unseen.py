@@ -5,10 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import chdtrc
+from scipy.special import chdtrc, ndtri
 
 from coast_cli.diagnosis.fit import rms
-from coast_cli.diagnosis.thresholds import FEWEST_IN_REGION, MOST_UNSEEN_NOISE, UNSEEN_DOUBT
+from coast_cli.diagnosis.thresholds import (
+    BY_CHANCE,
+    FEWEST_IN_REGION,
+    LONE_SHARE,
+    MOST_UNSEEN_NOISE,
+    OUTLIER_NOISE,
+    UNSEEN_DOUBT,
+)
 from coast_cli.mechanics.section import FloatArray
 
 _MOST_CORRELATION = 0.95
@@ -39,18 +46,22 @@ def stretch_of(correlation: float) -> float:
 
 
 def judge_unseen(
-    residual: FloatArray, slopes: FloatArray, covariance: FloatArray, level: float, stretch: float
+    residual: FloatArray, slopes: FloatArray, covariance: FloatArray, level: float, stretch: float, asked: int = 1
 ) -> Unseen:
     """Return what a residual (n,) on unseen rows says.
 
     Args:
         slopes: derivative of the residual by the fit's parameters (n, q). covariance: of those (q, q).
         level: of the noise. stretch: as `stretch_of` has it.
+        asked: how many runs are asked alike; of so many, noise makes one look missed in one recording of a hundred.
     """
     level = max(level, 1e-15)
+    lone = np.abs(residual) > OUTLIER_NOISE * max(level, float(np.median(np.abs(residual))) if residual.size else 0.0)
+    if lone.mean() <= LONE_SHARE:  # a few samples that stand off are outliers, also two in a row
+        residual, slopes = residual[~lone], slopes[~lone]
     doubt = float(np.sqrt(max(float(np.mean(np.einsum("ij,jk,ik->i", slopes, covariance, slopes))), 0.0)))
     chance = stretch / max(residual.size, 1)
-    allowed = MOST_UNSEEN_NOISE * (1.0 + np.sqrt(2.0 * chance))
+    allowed = MOST_UNSEEN_NOISE * (1.0 + ndtri(1.0 - BY_CHANCE / asked) * np.sqrt(0.5 * chance))
     error = rms(residual) / level
     granted = np.hypot(MOST_UNSEEN_NOISE, doubt / level)
     return Unseen(

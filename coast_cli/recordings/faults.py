@@ -56,10 +56,11 @@ def quantum_of(values: Floats) -> float:
         return 0.0
     gaps = np.diff(levels)
     gaps = gaps[gaps > 1e-9 * (levels[-1] - levels[0])]
-    for smallest in (float(gaps.min()), float(np.quantile(gaps, 0.1, method="nearest"))):
+    # The largest step that fits: outliers make smaller ones fit by chance.
+    for smallest in (*(float(np.quantile(gaps, share, method="nearest")) for share in (0.5, 0.1)), float(gaps.min())):
         step = smallest
         for _ in range(2):
-            step = float(gaps.sum() / np.maximum(np.round(gaps / step), 1.0).sum())
+            step = float(np.median(gaps / np.maximum(np.round(gaps / step), 1.0)))
         off = np.abs(gaps / step - np.round(gaps / step))
         if float(off.max()) < OFF_STEP or (len(gaps) >= MANY_GAPS and (off < OFF_STEP).mean() > ON_STEP):
             return step

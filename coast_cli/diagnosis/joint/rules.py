@@ -178,7 +178,7 @@ def one_run_that_differs_is_named(case: JointCase) -> Case | None:
         return None
     if case.law is not None:
         case = replace(case.led_by(case.contest.base), law=None, told=None)
-    errors = {name: one.error for name, one in case.against_the_rest.items() if not one.passed}
+    errors = {name: one.error for name, one in case.strangers.items()}
     if not case.certified.passed:
         errors |= dict.fromkeys(case.kept_back.runs, case.certified.error)
     suspects = sorted((name for name in errors if errors[name] > LEAST_OF_ONE_RUN), key=lambda name: -errors[name])

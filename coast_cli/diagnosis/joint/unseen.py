@@ -18,13 +18,13 @@ from coast_cli.mechanics.section import FloatArray
 _MOST_SUSPECTS = 3
 
 
-def foretold(problem: JointProblem, fitted: Fit, rows: Sequence[Booleans]) -> Unseen:
-    """Return how well a fit foretells rows; ``problem`` is the one that it was fitted to."""
+def foretold(problem: JointProblem, fitted: Fit, rows: Sequence[Booleans], *, asked: int = 1) -> Unseen:
+    """Return how well a fit foretells rows; ``problem`` is the one that it was fitted to, ``asked`` how many runs are asked."""
     unseen = problem.only(rows)
     if unseen.observed.size == 0:
         return Unseen(0.0, float(MOST_UNSEEN_NOISE), 0, 1.0)
     residual, slopes = _residual_and_slopes(unseen, fitted)
-    return _judged(problem, residual, slopes, fitted.covariance)
+    return _judged(problem, residual, slopes, fitted.covariance, asked)
 
 
 def strangers(problem: JointProblem, fitted: Fit, base: Fit, runs: Mapping[str, Unseen]) -> dict[str, Unseen]:
@@ -41,7 +41,7 @@ def strangers(problem: JointProblem, fitted: Fit, base: Fit, runs: Mapping[str, 
             rows if run.name == name else 0 * rows > 0 for run, rows in zip(problem.runs, problem.train, strict=True)
         ]
         rest = problem.only([rows & ~own for rows, own in zip(problem.train, mine, strict=True)])
-        one = foretold(rest, fit(rest, fitted.effects, fitted.coordinates, steps=0), mine)
+        one = foretold(rest, fit(rest, fitted.effects, fitted.coordinates, steps=0), mine, asked=len(runs))
         if any(isinstance(effect, UnnamedLaw) for effect in fitted.effects):
             one = replace(one, allowed=max(one.allowed, foretold(rest, base, mine).error))
         if not one.passed:
@@ -72,7 +72,7 @@ def runs_against_the_rest(problem: JointProblem, fitted: Fit) -> dict[str, Unsee
         # At the optimum the whole gradient vanishes, so what the run pulls is what the rest would take back.
         step = covariance @ (slopes[mine].T @ residual[mine]) / level**2 / stretch
         found[problem.runs[index].name] = _judged(
-            problem, residual[mine] + slopes[mine] @ step, slopes[mine], covariance
+            problem, residual[mine] + slopes[mine] @ step, slopes[mine], covariance, len(problem.runs)
         )
     return found
 
@@ -82,9 +82,11 @@ def _stretch(problem: JointProblem) -> float:
     return stretch_of(problem.noise_estimate.correlation)
 
 
-def _judged(problem: JointProblem, residual: FloatArray, slopes: FloatArray, covariance: FloatArray) -> Unseen:
+def _judged(
+    problem: JointProblem, residual: FloatArray, slopes: FloatArray, covariance: FloatArray, asked: int
+) -> Unseen:
     """Return what unseen rows say; a run of slow noise is no fault, so all of it is granted."""
-    return judge_unseen(residual, slopes, covariance, problem.highest_floor, _stretch(problem))
+    return judge_unseen(residual, slopes, covariance, problem.highest_floor, _stretch(problem), asked)
 
 
 def _residual_and_slopes(problem: JointProblem, fitted: Fit) -> tuple[FloatArray, FloatArray]:

@@ -53,7 +53,7 @@ def photographs_against_the_rest(problem: ShapeProblem, fitted: Fit) -> dict[str
         step = covariance @ (fitted.jacobian[mine].T @ fitted.residual[mine]) / level**2 / stretch
         slopes = fitted.jacobian[mine]
         missed = fitted.residual[mine] + slopes @ step
-        found[photograph.run.name] = judge_unseen(missed, slopes, covariance, level, stretch)
+        found[photograph.run.name] = judge_unseen(missed, slopes, covariance, level, stretch, len(problem.photographs))
     return found
 
 
