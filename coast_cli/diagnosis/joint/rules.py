@@ -9,7 +9,7 @@ import numpy as np
 from coast_cli.diagnosis.contest import hypothesis
 from coast_cli.diagnosis.fit import Fit, fit, rms
 from coast_cli.diagnosis.joint.case import JointCase
-from coast_cli.diagnosis.joint.holdout import rows_of_one_run
+from coast_cli.diagnosis.joint.holdout import ONE_RUN, rows_of_one_run
 from coast_cli.diagnosis.joint.moments import lost_steps
 from coast_cli.diagnosis.joint.problem import JointProblem
 from coast_cli.diagnosis.joint.unseen import foretold
@@ -211,6 +211,16 @@ def _blamed(case: JointCase, name: str) -> JointCase | None:
     return replace(case, problem=known, kept_back=rows, contest=contest)
 
 
+def names_that_unseen_rows_do_not_want_are_dropped(case: JointCase) -> Case | None:
+    """Rule: names stand only where unseen rows that want something are foretold better with them than without."""
+    if not case.names or case.is_stale or case.kept_back.rule == ONE_RUN or not case.kept_back.any:
+        return None
+    alone = foretold(case.known, case.refitted_base, case.kept_back.rows)
+    if alone.error > LEAST_MISFIT or alone.error >= HARM * case.certified.error:
+        return None
+    return replace(case.led_by(case.contest.base), law=None, told=None, is_closed=True)
+
+
 def names_that_are_too_unsure_give_way(case: JointCase) -> Case | Ruling | None:
     """Rule: names that are more likely wrong than a wrong name is worth give way to a law, or to none.
 
@@ -260,6 +270,7 @@ JOINT_RULES: tuple[VerdictRule, ...] = (
     one_run_that_differs_is_named,
     frames_that_repeat_are_named,
     one_factor_of_both_moduli_is_the_load_cell,
+    names_that_unseen_rows_do_not_want_are_dropped,
     a_law_without_a_name_leads,
     structure_is_left,
     unseen_rows_decide,

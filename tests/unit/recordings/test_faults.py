@@ -99,9 +99,9 @@ def test_a_view_that_ends():
 def test_an_end_is_flat_be_it_sharp_or_soft(seed):
     rng = np.random.default_rng(seed)
     drive = sweep(rng.integers(60, 300))
-    level, noise = rng.uniform(20.0, 34.0), rng.uniform(0.05, 0.8)
-    soft = rng.uniform(0.002, 0.015) * level
     open_view = 8.0 * np.maximum(drive - rng.uniform(0.0, 1.0), 0.0)
+    level, noise = rng.uniform(0.5, 0.85) * open_view.max(), rng.uniform(0.05, 0.8)
+    soft = rng.uniform(0.002, 0.015) * level
     seen = level - soft * np.logaddexp(0.0, (level - open_view) / soft) + noise * rng.normal(size=len(drive))
     assert has_flat_end(seen, drive)
     assert not has_flat_end(open_view + noise * rng.normal(size=len(drive)), drive)
