@@ -90,7 +90,7 @@ REFUSED_NAMES = Threshold(
     0.1, "", "probability that one of the names that came nearest is right where none is given", _PILOT
 )
 NAMED_FROM = Threshold(
-    0.8,
+    0.7,
     "",
     "probability from which on a name is given: a wrong one costs two, no name where none is right gains one",
     _REASON,
