@@ -173,12 +173,16 @@ def diagnosed(case: Case) -> Diagnosis:
 
 
 def outcome(case: Case, answer: Diagnosis) -> str:
-    """Say how the answer stands to the truth: first, second, group, cannot tell, unexplained, none or wrong."""
+    """Say how the answer stands to the truth: first, second, group, closest, insufficient, unexplained, none or wrong.
+
+    ``closest``: the name is told as what came nearest, and its form left more than the noise allows for it to be given.
+    """
     names = [effect.id for effect in answer.effects]
     if answer.verdict in ("agrees", "parameters"):
         return "none"
     if answer.verdict in ("insufficient", "unexplained", "unnamed"):
-        return "insufficient" if answer.verdict == "insufficient" else "unexplained"
+        kind = "insufficient" if answer.verdict == "insufficient" else "unexplained"
+        return "closest" if answer.attempts[:1] == (case.truth,) else kind
     if names[0] == case.truth:
         return "first"
     if case.truth in names:

@@ -77,8 +77,10 @@ def test_effects_are_named_first(family):
             case = make(effect, seed)
             told[effect, seed] = outcome(case, diagnosed(case))
     counts = Counter(told.values())
-    assert counts["first"] >= 0.6 * len(told), told
-    assert counts["first"] + counts["group"] >= 0.8 * len(told), told
+    # Names are withheld where the drawn form leaves more noise widths than the fitted one may: they are told as closest.
+    assert counts["first"] >= 0.5 * len(told), told
+    assert counts["first"] + counts["closest"] >= 0.6 * len(told), told
+    assert counts["first"] + counts["group"] + counts["closest"] >= 0.8 * len(told), told
     assert counts["wrong"] <= 0.1 * len(told), told
 
 
