@@ -213,7 +213,7 @@ def _blamed(case: JointCase, name: str) -> JointCase | None:
 
 def names_that_unseen_rows_do_not_want_are_dropped(case: JointCase) -> Case | None:
     """Rule: names stand only where unseen rows that want something are foretold better with them than without."""
-    if not case.names or case.is_stale or case.kept_back.rule == ONE_RUN or not case.kept_back.any:
+    if not (case.names and case.has_laws and case.kept_back.any) or case.is_stale or case.kept_back.rule == ONE_RUN:
         return None
     alone = foretold(case.known, case.refitted_base, case.kept_back.rows)
     if alone.error > LEAST_MISFIT or alone.error >= HARM * case.certified.error:
