@@ -90,10 +90,10 @@ REFUSED_NAMES = Threshold(
     0.1, "", "probability that one of the names that came nearest is right where none is given", _PILOT
 )
 NAMED_FROM = Threshold(
-    0.7,
+    0.65,
     "",
     "probability from which on a name is given: a wrong one costs two, no name where none is right gains one",
-    _REASON,
+    _ODDS,
 )
 LEAST_SURE = Threshold(0.01, "", "probability that no name falls below", _REASON)
 TEMPER = Threshold(2.0, "", "by which nats between rivals are divided, as noise models are never right", _PILOT)
@@ -180,15 +180,15 @@ MOMENT_NATS = Threshold(
 OWN_FORM_NATS = Threshold(24.0, "nats", "by which a law must be ahead of a name that stands at its stage", _REASON)
 
 # The odds that a joint's names are right: log odds, less a weight times each figure that speaks against them.
-ODDS_CONSTANT = Threshold(3.15, "log odds", "of names against which nothing speaks", _PILOT)
-ODDS_LEFT = Threshold(1.8, "log odds", "a unit of log(1 + noise widths left)", _PILOT)
-ODDS_SHARE = Threshold(1.17, "log odds", "for all of what the base model left, left", _PILOT)
-ODDS_UNSEEN = Threshold(0.78, "log odds", "a unit of certifying error over what is allowed, beyond one half", _PILOT)
-ODDS_ASKED = Threshold(0.22, "log odds", "a factor of ten in the chance that noise alone asks for a law", _PILOT)
-ODDS_GAIN = Threshold(0, "log odds", "a unit of log(1 + nats of a law ahead of the names)", _PILOT)
-ODDS_BESIDE = Threshold(0, "log odds", "where a law stands beside the names", _PILOT)
-ODDS_NAMES = Threshold(1.04, "log odds", "of a set of names", _PILOT)
-ODDS_DOUBT = Threshold(1.38, "log odds", "a unit of the noise level's standard deviation of logarithm", _PILOT)
+ODDS_CONSTANT = Threshold(2.29, "log odds", "of names against which nothing speaks", _ODDS)
+ODDS_LEFT = Threshold(0.72, "log odds", "a unit of log(1 + noise widths left)", _ODDS)
+ODDS_SHARE = Threshold(1.91, "log odds", "for all of what the base model left, left", _ODDS)
+ODDS_UNSEEN = Threshold(1.72, "log odds", "a unit of certifying error over what is allowed, beyond one half", _ODDS)
+ODDS_ASKED = Threshold(0, "log odds", "a factor of ten in the chance that noise alone asks for a law", _ODDS)
+ODDS_GAIN = Threshold(0, "log odds", "a unit of log(1 + nats of a law ahead of the names)", _ODDS)
+ODDS_BESIDE = Threshold(0, "log odds", "where a law stands beside the names", _ODDS)
+ODDS_NAMES = Threshold(1.66, "log odds", "of a set of names", _ODDS)
+ODDS_DOUBT = Threshold(1.59, "log odds", "a unit of the noise level's standard deviation of logarithm", _ODDS)
 MODULUS_CALIBRATED = Threshold(
     0.05, "of its logarithm", "to which a configured modulus is known, as calibrations repeat", _REASON
 )

@@ -177,13 +177,16 @@ def _tune(given: argparse.Namespace) -> None:
 
 
 def _odds(given: argparse.Namespace) -> None:
-    from examples.concealed.odds import collect, fitted, put, report
+    from examples.concealed.odds import FROM, believed, collect, fitted, put, report, worth
 
-    names, figures, right = collect(given.out.resolve(), given.seeds, given.jobs)
+    names, figures, judged = collect(given.out.resolve(), given.seeds, given.jobs)
+    right, outside = judged.T
     weights = fitted(figures, right)
     sys.stdout.write(report(weights, names, figures, right))
+    worths = worth(believed(weights, figures), right, outside)
+    sys.stdout.writelines(f"named from {level:.2f}: {value:.3f}\n" for level, value in zip(FROM, worths, strict=True))
     if given.write:
-        put(weights, names)
+        put(weights, names, round(float(FROM[worths.argmax()]), 2))
 
 
 def _drift(given: argparse.Namespace) -> None:

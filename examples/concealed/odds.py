@@ -26,13 +26,17 @@ from examples.concealed.work import spread
 ASKED_OF = ("L1", "L8", "L4", "L8", "L1", "L5", "L8", "L3")
 NAMED_FROM = "NAMED_FROM"  # is set to 0, so that every name is given with what speaks against it
 RIDGE = 0.1
+# What an answer is worth (points.py): a right name, a right name withheld, a wrong name, and a wrong name withheld, where none is
+# right or where one is.
+GIVEN, WITHHELD, WRONG, REFUSED_OUTSIDE, REFUSED_INSIDE = 1.0, 0.25, -2.0, 1.0, 0.25
+FROM = np.arange(0.4, 0.91, 0.05)
 BINS = 5
 
 
 def collect(
     out: Path, seeds: range, jobs: int, root: Path = ROOT
 ) -> tuple[list[str], NDArray[np.float64], NDArray[np.bool_]]:
-    """Return the figures' names, the figures (n, k) and whether the first name is right (n,), of every answer with names."""
+    """Return of every answer with names: the figures' names, the figures (n, k), and whether right and outside, (n, 2)."""
     if not seeds or seeds[-1] >= FIRST_SCORED:
         raise ValueError(
             f"seeds {seeds.start}:{seeds.stop} are not all below {FIRST_SCORED}: those above are for scoring"
@@ -52,7 +56,8 @@ def collect(
         if found.get("evidence"):
             names = list(found["evidence"])
             rows.append([float(found["evidence"][name]) for name in names])
-            right.append(is_right(found, cases[question.case.name].truth))
+            truth = cases[question.case.name].truth
+            right.append((is_right(found, truth), truth["level"] in OPEN))
     return names, np.array(rows, dtype=np.float64), np.array(right, dtype=bool)
 
 
@@ -79,21 +84,32 @@ def fitted(figures: NDArray[np.float64], right: NDArray[np.bool_]) -> NDArray[np
     return np.asarray(minimize(cost, np.full(1 + figures.shape[1], 0.5), bounds=bounds).x)
 
 
+def believed(weights: NDArray[np.float64], figures: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the probability that names are right (n,)."""
+    return np.asarray(1.0 / (1.0 + np.exp(figures @ weights[1:] - weights[0])))
+
+
+def worth(given: NDArray[np.float64], right: NDArray[np.bool_], outside: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """Return the mean worth of the answers where names are given from each of the probabilities `FROM` on."""
+    withheld = np.where(right, WITHHELD, np.where(outside, REFUSED_OUTSIDE, REFUSED_INSIDE))
+    return np.array([np.where(given > level, np.where(right, GIVEN, WRONG), withheld).mean() for level in FROM])
+
+
 def report(
     weights: NDArray[np.float64], names: list[str], figures: NDArray[np.float64], right: NDArray[np.bool_]
 ) -> str:
     """Return the weights, and probability against share that was right in a few bins of equal number."""
     lines = [f"{len(right)} answers with names, {right.mean():.3f} right", f"constant {weights[0]:.3g}"]
     lines += [f"{name} {weight:.3g}" for name, weight in zip(names, weights[1:], strict=True)]
-    given = 1.0 / (1.0 + np.exp(figures @ weights[1:] - weights[0]))
+    given = believed(weights, figures)
     for part in np.array_split(np.argsort(given, kind="stable"), BINS):
         lines.append(f"given {given[part].mean():.2f}, right {right[part].mean():.2f} of {part.size}")
     return "\n".join(lines) + "\n"
 
 
-def put(weights: NDArray[np.float64], names: list[str], root: Path = ROOT) -> None:
-    """Write the weights into the module of thresholds."""
-    text = (root / THRESHOLDS).read_text(encoding="utf-8")
+def put(weights: NDArray[np.float64], names: list[str], named_from: float, root: Path = ROOT) -> None:
+    """Write the weights, and from which probability on names are given, into the module of thresholds."""
+    text = with_value(NAMED_FROM, named_from, (root / THRESHOLDS).read_text(encoding="utf-8"))
     for name, weight in zip(["constant", *names], weights, strict=True):
         text = with_value(f"ODDS_{name.upper()}", round(float(weight), 2), text)
     (root / THRESHOLDS).write_text(text, encoding="utf-8")

@@ -6,7 +6,7 @@ import pytest
 from coast_cli.diagnosis import thresholds
 from coast_cli.diagnosis.joint.odds import Against
 from examples.concealed import odds
-from examples.concealed.tune import ROOT, THRESHOLDS
+from examples.concealed.tune import ROOT, THRESHOLDS, line_of
 
 
 def test_weights_are_found_again_from_answers_that_were_drawn_with_them():
@@ -37,8 +37,9 @@ def test_every_figure_has_its_weight_and_all_are_written(tmp_path):
     names = list(Against(*(0.0 for _ in range(8))).table())
     (tmp_path / THRESHOLDS).parent.mkdir(parents=True)
     (tmp_path / THRESHOLDS).write_text((ROOT / THRESHOLDS).read_text(encoding="utf-8"), encoding="utf-8")
-    odds.put(np.arange(9) / 8, names, tmp_path)
+    odds.put(np.arange(9) / 8, names, 0.55, tmp_path)
     text = (tmp_path / THRESHOLDS).read_text(encoding="utf-8")
+    assert float(line_of("NAMED_FROM", text)[2]) == 0.55
     for place, name in enumerate(["constant", *names]):
         assert hasattr(thresholds, f"ODDS_{name.upper()}")
         assert f"ODDS_{name.upper()} = Threshold({round(place / 8, 2):g}," in text
@@ -57,3 +58,12 @@ def test_the_first_name_is_what_is_judged_and_any_of_a_group(verdict, named, oth
     found = {"verdict": verdict, "effects": [{"id": one} for one in named], "attempts": [], "alternatives": others}
     assert odds.is_right(found, truth) is expected
     assert odds.is_right(found, truth | {"level": "L8"}) is False
+
+
+def test_names_are_given_from_where_the_answers_are_worth_most():
+    given = np.array([0.95, 0.9, 0.7, 0.6])
+    right, outside = np.array([True, True, False, False]), np.array([False, False, True, True])
+    worths = odds.worth(given, right, outside)
+    best = odds.FROM[worths.argmax()]
+    assert 0.7 <= round(float(best), 2) < 0.9
+    assert worths.max() == 1.0

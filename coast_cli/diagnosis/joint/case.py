@@ -177,10 +177,15 @@ class JointCase(Case):
 
     @cached_property
     def against(self) -> Against | None:
-        """What speaks against those names; None where there are none, or no law competes with them."""
+        """What speaks against those names; None where there are none, or no law competes with them.
+
+        The odds are set on joints of tubes, so that of other devices nothing is said by them.
+        """
         world = self.asked
         names, base = world.contest.leading.fit, self.contest.base.fit
-        if not self.has_laws or not names.effects or self.is_stale or self.kept_back.rule == ONE_RUN:
+        if not self.has_laws or not names.effects or self.problem.device is not None:
+            return None
+        if self.is_stale or self.kept_back.rule == ONE_RUN:
             return None
         left, before = world.left_over(names), world.left_over(base)
         laws = () if world.is_complete else world.instead.laws[:1]
