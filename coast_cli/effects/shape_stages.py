@@ -82,7 +82,7 @@ class Photographed:
     Attributes:
         tubes: number (as in ``TUBE``) and name of every tube photographed. alone: numbers of those seen outside a pair.
         length: of the longest, m. weight: of the heaviest, N. pairs: whether there is an assembled pair.
-        natural: the largest natural curvature of the tubes, 1/m, as a size.
+        natural: the largest natural curvature of the tubes, 1/m, as a size. mass: of the heaviest, kg.
     """
 
     tubes: Mapping[int, str]
@@ -91,6 +91,7 @@ class Photographed:
     weight: float
     pairs: bool
     natural: float = 0.0
+    mass: float = 1e-6
 
     @property
     def scales(self) -> Mapping[Scale, float]:

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
     from coast_cli.recordings.model import ShapeRun
 
-_DEGREE = 16
-_POINTS_A_COEFFICIENT = 8
+# Of the line: one coefficient for so many points, and never more than so many.
+_COEFFICIENTS = ((4, 8), (8, 16))
 
 
 def shape_noise(runs: Iterable[ShapeRun], known: float | None = None) -> NoiseEstimate:
@@ -34,7 +34,7 @@ def _across(run: ShapeRun) -> NDArray[np.float64]:
     """Return how far the points (n,) lie across a polynomial through them, m."""
     steps = np.hypot(np.diff(run.x), np.diff(run.y))
     along = np.concatenate(([0.0], np.cumsum(steps)))
-    degree = min(_DEGREE, max(len(run) // _POINTS_A_COEFFICIENT - 1, 1))
+    degree = max(1, *(min(most, len(run) // points) - 1 for points, most in _COEFFICIENTS))
     if not along[-1] > 0.0:
         return np.zeros(len(run))
     lines = [np.polynomial.Chebyshev.fit(along, values, degree) for values in (run.x, run.y)]

@@ -144,12 +144,13 @@ class ShapeProblem:
     def scene(self) -> Photographed:
         """What there is to choose starts from."""
         tubes = {number: tube for photograph in self.photographs for number, tube in photograph.tubes}
-        weights = [float(t.segments.weight @ t.segments.length) * self.forward.gravity for t in tubes.values()]
+        mass = max(float(t.segments.weight @ t.segments.length) for t in tubes.values())
         return Photographed(
             tubes={number: tubes[number].name for number in sorted(tubes)},
             alone=frozenset(photograph.tubes[0][0] for photograph in self.photographs if not photograph.is_pair),
             length=max(photograph.length for photograph in self.photographs),
-            weight=max(*weights, 1e-12),
+            weight=max(mass * self.forward.gravity, 1e-12),
+            mass=max(mass, 1e-12),
             pairs=any(photograph.is_pair for photograph in self.photographs),
             natural=max((abs(self.natural[number]) for number in tubes), default=0.0),
         )

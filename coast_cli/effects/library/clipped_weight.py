@@ -12,7 +12,6 @@ from coast_cli.effects.shape_stages import TUBE, OnPieces, Photographed, Pieces,
 from coast_cli.units import MILLIMETRE
 
 _MILLIGRAM = 1e-6
-_GRAVITY = 9.81
 _SHARE = 0.5  # of the tube's own weight, from which fits start
 
 
@@ -41,13 +40,13 @@ class ClippedWeight(OnPieces):
     @classmethod
     def starts(cls, seen: Photographed) -> list[Self]:
         """Return a weight at many places of every tube."""
-        mass = _SHARE * seen.weight / _GRAVITY / _MILLIGRAM
+        mass = _SHARE * seen.mass / _MILLIGRAM
         return [cls(place, mass, tube) for tube in cls.each(seen) for place in spots(seen)]
 
     @classmethod
     def widths(cls, seen: Photographed) -> np.ndarray:
         """Return the prior widths: a few times the tube's mass, and the whole tube."""
-        return np.array([4.0 * _SHARE * seen.weight / _GRAVITY / _MILLIGRAM, seen.length / MILLIMETRE])
+        return np.array([4.0 * _SHARE * seen.mass / _MILLIGRAM, seen.length / MILLIMETRE])
 
     def pieces(self, pieces: Pieces) -> Pieces:
         """Add the mass."""
