@@ -54,10 +54,12 @@ class NoiseBank:
         sequences: for each sequence the row numbers of its samples (gaps are dropped frames), each (n_i,); residual
             vectors are these sequences one after the other.
         kernel: "rough" for AR(1) noise (``NOISE_COLOURS``), "smooth" for curves that noise does not draw (``SMOOTH_COLOURS``).
+        slowest: largest memory that noise is believed to have.
     """
 
-    def __init__(self, sequences: Sequence[Integers], kernel: Kernel = "rough") -> None:
+    def __init__(self, sequences: Sequence[Integers], kernel: Kernel = "rough", *, slowest: float = 1.0) -> None:
         self._kernel: Kernel = kernel
+        self._believed = np.array([kernel == "smooth" or memory <= slowest for memory, _ in _colours(kernel)])
         groups: dict[bytes, list[Integers]] = {}
         start = 0
         for rows in sequences:
@@ -85,7 +87,7 @@ class NoiseBank:
             quadratic += np.sum((inverse @ residual[places].T) ** 2, axis=(1, 2))
         variance = np.maximum(quadratic / self.size, 1e-300)
         log_likelihood = -0.5 * self.size * (np.log(2.0 * np.pi * variance) + 1.0) - 0.5 * self._log_determinant
-        best = int(np.argmax(log_likelihood))
+        best = int(np.argmax(np.where(self._believed, log_likelihood, -np.inf)))
         return NoiseEvidence(float(log_likelihood[best]), float(np.sqrt(variance[best])), best)
 
     def white_share(self, colour: int) -> float:

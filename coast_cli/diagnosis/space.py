@@ -59,7 +59,10 @@ class Coordinate:
 
 @dataclass(frozen=True)
 class BaseParameter:
-    """One number of the base model that a fit may move: as configured, its bounds, its prior's standard deviation."""
+    """One number of the base model that a fit may move: as configured, its bounds, its prior's standard deviation.
+
+    ``start``: from where fits begin, where that is not as configured.
+    """
 
     name: str
     value: float
@@ -67,6 +70,7 @@ class BaseParameter:
     high: float
     prior: float
     logarithmic: bool = False
+    start: float | None = None
 
     @property
     def inner(self) -> float:

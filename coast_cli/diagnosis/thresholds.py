@@ -167,8 +167,14 @@ MAX_UNEXPLAINED_SHARE_OF_DEVICES = Threshold(
 MOST_BEHIND_OF_DEVICES = Threshold(
     1.5, "times the error of another set, no larger", "above which a set of a transmission does not lead", _REASON
 )
+SLOWEST_NOISE_OF_DEVICES = Threshold(
+    0.5,
+    "from row to row",
+    "memory of the noise of a transmission at most: what is slower is what its line leaves",
+    _REASON,
+)
 LEAST_TAKEN_OF_DEVICES = Threshold(
-    0.1, "of the error without it", "that each effect of a transmission's set must take", _REASON
+    0.25, "of the error without it", "that each effect of a transmission's set must take", _REASON
 )
 
 # Shapes as photographs are.

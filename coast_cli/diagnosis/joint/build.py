@@ -39,6 +39,7 @@ _PRIORS = {
 _LOGARITHMIC = ("youngs_modulus_gpa", "tendon_youngs_modulus_gpa")
 FROM_DATA_SHEETS = ("tendon_youngs_modulus_gpa",)
 _TRIVIAL = 1e-12
+_FLAT = 1e-6  # of its level, that a response must at least move for its line to have a zero
 _WIDE = 3.0  # of what a recording spans, for numbers of which nothing is known beforehand
 
 
@@ -60,14 +61,15 @@ def build_joint_problem(
     """
     from coast_cli.recordings.faults import faults_of, repeating_rows
 
-    built = _device(config, runs) if isinstance(config.joint, TransmissionFields) else _joints(config, runs)
     held = held_out or [np.zeros(len(run), bool) for run in runs]
+    built = _device(config, runs, held) if isinstance(config.joint, TransmissionFields) else _joints(config, runs)
     fitted = [not rows.all() for rows in held]
     drives = [run.drive for run in runs]
     usable, found_noise = screened([run.response for run in runs], drives, fitted)
     faults = tuple(faults_of(run) for run in runs)
     stale = [one.frozen | one.duplicated for one in faults]
-    if sum(int(rows.sum()) for rows in stale) >= FROZEN_SHARE * sum(len(run) for run in runs):
+    # A device that stands still in its play repeats its rows too.
+    if built.device is None and sum(int(rows.sum()) for rows in stale) >= FROZEN_SHARE * sum(len(run) for run in runs):
         # Where frames do repeat, rounding hides some of them.
         usable = [use & ~repeating_rows(run)[:, np.newaxis] for use, run in zip(usable, runs, strict=True)]
     witness = built.device is None and all(run.tension is not None and run.stroke is not None for run in runs)
@@ -114,7 +116,7 @@ def _joints(config: Config, runs: Sequence[JointRun]) -> _Built:
     return _Built(build_effects(config.corrections), joints)
 
 
-def _device(config: Config, runs: Sequence[JointRun]) -> _Built:
+def _device(config: Config, runs: Sequence[JointRun], held_out: Sequence[Booleans]) -> _Built:
     from coast_cli.effects.devices import build_device_effects
     from coast_cli.spec.transmission import build_transmission, takes_response
 
@@ -140,16 +142,38 @@ def _device(config: Config, runs: Sequence[JointRun]) -> _Built:
     widths = {"ratio": bent / span, "zero_mm": span}
     if first.kind == "force" and carried > 0.0:
         widths["load_ratio"] = bent * device.ratio_unit * unit / carried
-    base = [_of_device(config, name, max(width, _TRIVIAL)) for name, width in widths.items()]
+    line = _line(device, runs, held_out, with_load="load_ratio" in widths)
+    base = [_of_device(config, name, max(width, _TRIVIAL), line.get(name)) for name, width in widths.items()]
     return _Built(build_device_effects(config.corrections), {}, device, tuple(base))
 
 
-def _of_device(config: Config, name: str, width: float) -> BaseParameter:
+def _line(
+    device: Transmission, runs: Sequence[JointRun], held_out: Sequence[Booleans], *, with_load: bool
+) -> dict[str, float]:
+    """Return the line through the rows that are fitted, as a configuration names it: a ratio may have either sign."""
+    use = [run.valid & ~rows for run, rows in zip(runs, held_out, strict=True)]
+    drive, response, load = (
+        np.concatenate([values[rows] for values, rows in zip(several, use, strict=True)])
+        for several in (
+            [run.drive / device.drive_unit for run in runs],
+            [run.response[:, 0] / (device.ratio_unit * device.drive_unit) for run in runs],
+            [run.carried if with_load and run.carried is not None else np.zeros(len(run)) for run in runs],
+        )
+    )
+    columns = np.stack([drive, np.ones_like(drive), load], axis=1)
+    slope, level, by_load = np.linalg.lstsq(columns, response, rcond=None)[0].tolist() if drive.size > 3 else (0.0,) * 3
+    if abs(slope) * float(np.ptp(drive, axis=0) if drive.size else 0.0) < _FLAT * float(np.abs(level)):
+        return {}
+    return {"ratio": slope, "zero_mm": -level / slope, "load_ratio": by_load}
+
+
+def _of_device(config: Config, name: str, width: float, start: float | None) -> BaseParameter:
     """Return a free number of a transmission: what was recorded says how large it may be, unless bounds are given."""
     value, low, high = config.bounds(CONFIG_KEYS[name])
     given = _given_bounds(config, name)
     prior = _WIDE * (width + abs(value)) if given is None else (high - low) / 4.0
-    return BaseParameter(name, value, low, high, max(prior, _TRIVIAL))
+    begun = None if start is None else float(np.clip(start, low, high))
+    return BaseParameter(name, value, low, high, max(prior, _TRIVIAL), start=begun)
 
 
 def _free_parameters(config: Config, runs: Sequence[JointRun], *, has_witness: bool) -> tuple[BaseParameter, ...]:

@@ -77,7 +77,7 @@ def base_coordinates(base: Sequence[BaseParameter]) -> tuple[Coordinate, ...]:
     return tuple(
         Coordinate(
             name=p.name,
-            value=p.value,
+            value=p.value if p.start is None else p.start,
             low=p.low,
             high=p.high,
             width=p.prior,

@@ -25,6 +25,7 @@ from coast_cli.diagnosis.thresholds import (
     MOST_BEHIND_OF_DEVICES,
     ONE_SAMPLE_SHARE,
     SLOW_NOISE,
+    SLOWEST_NOISE_OF_DEVICES,
     SMALLEST,
     SMOOTH_MISFIT,
     SMOOTH_MISFIT_SHAPES,
@@ -168,7 +169,9 @@ class JointProblem:
 
     @property
     def frozen_fraction(self) -> float:
-        """The fraction of rows that repeat the frame before them."""
+        """The fraction of rows that repeat the frame before them; a device without tubes stands still in its play too."""
+        if self.device is not None:
+            return 0.0
         return sum(int(one.frozen.sum()) for one in self.faults) / max(sum(len(run) for run in self.runs), 1)
 
     @property
@@ -270,7 +273,8 @@ class JointProblem:
     @cached_property
     def bank(self) -> NoiseBank:
         """Noise colours of the fitted response."""
-        return NoiseBank([rows for _, _, rows in self.sequences])
+        slowest = 1.0 if self.device is None else float(SLOWEST_NOISE_OF_DEVICES)
+        return NoiseBank([rows for _, _, rows in self.sequences], slowest=slowest)
 
     @cached_property
     def tension_bank(self) -> NoiseBank:
