@@ -220,8 +220,8 @@ class JointCase(Case):
         if self.law is None or self.told is None:
             found = super().probabilities(ruling)
             return found | {FrozenFrames.id: float(SUREST)} if self.is_stale else found
-        if self.against is not None:
-            chance = min(self.against.certainty, float(SUREST))
+        if self.against is not None or (self.problem.device is not None and self.names):
+            chance = min(self.certainty, float(SUREST))
             return dict.fromkeys(self.told.contest.leading.ids, chance) | {SOMETHING_ELSE: 1.0 - chance}
         nearest = [identifier for identifier, _ in self.told.nearest]
         chance = float(REFUSED_NAMES) / max(len(nearest), 1)
