@@ -104,8 +104,9 @@ class History:
 
     ``stroke`` is None for a tension-driven run; where both are given the stroke drives. ``time`` is None where not
     recorded. ``earlier_tension`` is the largest tension (N) that earlier runs of the recording reached; ``run`` the run's
-    number in the recording, from 0; ``load`` what the far end carries (N or N m), where recorded. Of a device without
-    tubes ``first_response`` is the first that was recorded (SI), and ``start`` the drive that it stands for.
+    number in the recording, from 0; ``load`` what the far end carries (N or N m), and ``tip_force`` the force at the
+    tip of a notched segment (N, across it, positive as the tendon bends), where recorded. Of a device without tubes
+    ``first_response`` is the first that was recorded (SI), and ``start`` the drive that it stands for.
     """
 
     time: FloatArray | None
@@ -115,6 +116,7 @@ class History:
     earlier_tension: float = 0.0
     run: int = 0
     load: FloatArray | None = None
+    tip_force: FloatArray | None = None
     first_response: float | None = None
     start: float | None = None
 

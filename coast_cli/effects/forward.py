@@ -38,7 +38,7 @@ ResponseKind = Literal["curvature", "bend", "notch", "position", "force"]
 
 # Distinct bending lengths tabulated one by one; a run that slides X2 continuously is interpolated between this many.
 _MOST_LENGTHS = 9
-_MOST_LOADS = 5  # between which bounds under a force at the tip go in a line
+_MOST_FORCES = 5  # between which bounds under a force at the tip go in a line
 _SLACK_SWEEPS = 12
 _SLACK_TOLERANCE = 1e-8  # m, far under any screw's step
 
@@ -180,10 +180,9 @@ def _predict_run(
     layout: Layout,
     tables: Tables,
 ) -> Prediction:
-    history = replace(commanded, load=None)  # of a notched joint it bends the tip, and stretches no cable by itself
+    history = commanded
     for drive in acting(effects, OnDrive):
         history = drive.drive(history)
-    history = replace(history, load=commanded.load)
     low, high, stations = _bounds(joint, effects, history, history.drive, layout, tables)
     curvature, tension = _with_memory(joint, effects, history, layout, tables, low, high, stations)
     response = _observe(curvature, stations, history.bending_length, layout)
@@ -263,8 +262,8 @@ def _bounds(
     tables: Tables,
 ) -> tuple[FloatArray, FloatArray | None, Stations]:
     """Return the curvature (n, m) that load and release hold at each row, and the stations they stand for."""
-    if history.load is not None:
-        return _at_loads(joint, effects, history, drive, layout, tables)
+    if history.tip_force is not None:
+        return _at_forces(joint, effects, history, drive, layout, tables)
     reverses = any(effect.reverses for effect in effects)
     drifting = _drifting(effects, history)
     if drifting is None:
@@ -282,19 +281,19 @@ def _bounds(
     return low_0 + part * (low_1 - low_0), high, stations
 
 
-def _at_loads(
+def _at_forces(
     joint: Joint, effects: Sequence[Effect], history: History, drive: FloatArray, layout: Layout, tables: Tables
 ) -> tuple[FloatArray, FloatArray | None, Stations]:
     """Return the same under the force at the tip (N) that was recorded: between a few forces bounds go in a line."""
-    loads, free = history.load, replace(history, load=None)
-    if loads is None or loads.size == 0:
+    forces, free = history.tip_force, replace(history, tip_force=None)
+    if forces is None or forces.size == 0:
         return _bounds(joint, effects, free, drive, layout, tables)
-    low, high = float(loads.min()), float(loads.max())
-    nodes = np.unique(np.linspace(low, high, _MOST_LOADS if high > low else 1))
+    low, high = float(forces.min()), float(forces.max())
+    nodes = np.unique(np.linspace(low, high, _MOST_FORCES if high > low else 1))
     below, above, stations = [], [], []
     for node, row in zip(nodes.tolist(), np.eye(nodes.size), strict=True):
         lower, upper, found = _bounds(joint, (*effects, TipLoad(1e3 * node)), free, drive, layout, tables)
-        weight = np.interp(loads, nodes, row)[:, np.newaxis]
+        weight = np.interp(forces, nodes, row)[:, np.newaxis]
         below.append(weight * lower)
         above += [] if upper is None else [weight * upper]
         stations.append(found)

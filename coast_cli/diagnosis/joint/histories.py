@@ -27,7 +27,7 @@ def recorded_history(run: JointRun, index: int, first_time: float, *, has_tubes:
     """
     from coast_cli.recordings.corners import missed_corners
 
-    load = run.load if has_tubes else run.carried
+    load, force = (None, run.load) if has_tubes else (run.carried, None)
     clock = np.arange(len(run), dtype=np.float64) if run.time is None else run.time - first_time
     corners = missed_corners(run.drive, clock, run.branches)
     drive = np.insert(run.drive, corners.before, corners.drive)
@@ -38,6 +38,7 @@ def recorded_history(run: JointRun, index: int, first_time: float, *, has_tubes:
         np.insert(run.bending_length, corners.before, run.bending_length[corners.before]),
         run=index,
         load=None if load is None else np.insert(load, corners.before, load[corners.before]),
+        tip_force=None if force is None else np.insert(force, corners.before, force[corners.before]),
         first_response=None if has_tubes else float(run.response[np.argmax(run.valid), 0]),
     )
     rows = np.arange(len(run)) + np.searchsorted(corners.before, np.arange(len(run)), side="right")

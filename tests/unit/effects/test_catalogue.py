@@ -53,7 +53,7 @@ def runs() -> list[History]:
     up, down = np.linspace(0.0, 4e-3, SAMPLES), np.linspace(4e-3, 0.0, SAMPLES)
     stroke = np.concatenate([up, down, up[: SAMPLES // 2]])
     time = 0.1 * np.arange(stroke.size)
-    load = np.linspace(0.0, 5e-3, stroke.size)  # a force at the tip, N
+    load = np.linspace(0.0, 1.0, stroke.size)
     return [
         History(time, stroke, None, np.full(stroke.size, length), run=number, load=load)
         for number, length in enumerate((0.02, 0.035))
@@ -73,7 +73,7 @@ def _middle_of_range(effect: type[Effect]) -> Effect:
         "response": 40.0,
         "stroke": 4.0,
         "period": 20.0,
-        "compliance": 200.0,
+        "compliance": 1.0,
         "runs": 2.0,
     }
     return effect(
@@ -222,3 +222,16 @@ def test_corrections_come_back_in_order():
     effects = build_effects({"camera_offset": {"offset": 0.1}, "backlash": {"width_mm": 0.2}})
     assert [effect.id for effect in effects] == ["backlash", "camera_offset"]
     assert in_order(effects[::-1]) == effects
+
+
+def test_a_recorded_load_is_a_force_at_the_tip(joint, runs):
+    loaded = [replace(run, tip_force=np.full(run.stroke.size, 2e-3)) for run in runs]
+    named = predict(joint, [CATALOGUE["tip_load"](force_mn=2.0)], runs, LAYOUT)
+    for known, fitted in zip(predict(joint, [], loaded, LAYOUT), named, strict=True):
+        assert known.response == pytest.approx(fitted.response)
+    rising = [replace(run, tip_force=np.linspace(0.0, 2e-3, run.stroke.size)) for run in runs]
+    for some, none, whole in zip(
+        predict(joint, [], rising, LAYOUT), predict(joint, [], runs, LAYOUT), named, strict=True
+    ):
+        assert some.response[0] == pytest.approx(none.response[0])
+        assert some.response[-1] == pytest.approx(whole.response[-1])
