@@ -28,9 +28,9 @@ def between(recordings: Recordings, begin_s: float | None, end_s: float | None) 
         return recordings
     low, high = -np.inf if begin_s is None else begin_s, np.inf if end_s is None else end_s
     if not low < high:
-        raise UsageError(f"--from {low:g} --to {high:g}: no time lies between; allowed: --from below --to, in seconds.")
+        raise UsageError(f"no time lies from {low:g} to {high:g} s; allowed: a first time before the last, in seconds.")
     if recordings.joint is None or recordings.shape is not None:
-        raise UsageError("--from and --to choose rows by the clock of a joint's recording; shapes have none.")
+        raise UsageError("rows are chosen by the clock of a joint's recording; shapes have none.")
     runs, all_rows = recordings.joint.runs, sum(len(run) for run in recordings.joint.runs)
     kept = tuple(part for run in runs if len(part := _part(run, low, high)) >= FEWEST_ROWS)
     if not kept:

@@ -26,7 +26,7 @@ def test_rows_between_two_times_stay_and_the_rest_is_said(read):
 
 
 def test_what_cannot_be_chosen_is_refused(read, tmp_path):
-    with pytest.raises(UsageError, match="--from below --to"):
+    with pytest.raises(UsageError, match="a first time before the last"):
         between(read, 4.0, 2.0)
     with pytest.raises(BadInput, match="times from 0 to 21 s"):
         between(read, 30.0, None)
