@@ -82,6 +82,11 @@ class Comparison(Rows, Drawn):
     shape: tuple[ShapeErrors, ...]
     known_noise: float | None = None
 
+    @property
+    def models(self) -> tuple[tuple[str, Comparison], ...]:
+        """The one model with its name, as of several."""
+        return (("model", self),)
+
     def rows(self) -> list[dict[str, str | float | int | None]]:
         """Return a row for each run, of several the mean of their errors, and last one for all of them pooled."""
         levels = run_noises([one.run for one in self.joint], self.known_noise)

@@ -12,7 +12,7 @@ from coast_cli.recordings.thresholds import REASON as _REASON
 from coast_cli.recordings.thresholds import RECORDED, Threshold
 
 # How numbers were set. "pilot": README of examples/concealed, `python -m examples.concealed all --seeds FIRST:LAST`.
-_ODDS = "python -m examples.concealed odds --seeds 0:96"
+_ODDS = "odds of examples.concealed, seeds 0 to 96"
 _PILOT = "pilot of concealed cases, examples/concealed"
 _CLEAN = "largest on clean simulated recordings, level L0 of examples/concealed"
 

@@ -73,8 +73,8 @@ def test_a_bend_of_the_segment_is_planned_in_degrees(coast, reference):
     ("words", "code", "said"),
     [
         ((), 2, "either --protocol FILE.csv or --drive LOW:TOP"),
-        (("--drive", "3:1", "--x2", "20"), 2, "--drive 3:1"),
-        (("--drive", "0.9:2.8"), 2, "bending lengths are needed"),
+        (("--drive", "3:1", "--x2", "20"), 2, "drive 3:1"),
+        (("--drive", "0.9:2.8"), 2, "bending lengths X2 are needed"),
         (("--drive", "0.9:2.8", "--x2", "400"), 2, "at most 75 mm"),
         (("--drive", "0.9:2.8", "--x2", "20", "--noise", "0"), 2, "--noise"),
         (("--drive", "0.9:2.8", "--x2", "20", "--response", "notch"), 2, "allowed: curvature, bend"),

@@ -131,5 +131,5 @@ def test_a_small_space_is_explored_in_one_call():
 def test_a_path_in_place_of_what_is_read_from_it_is_one_sentence(results, ask):
     with pytest.raises(coast.BadInput, match="no recordings; found 'str'; allowed: what read_recordings returns"):
         ask(results["config"], str(RECORDING))
-    with pytest.raises(coast.BadInput, match=r"no configuration; found '\\w+Path'; allowed: what load_config returns"):
+    with pytest.raises(coast.BadInput, match=r"no configuration; found '\w+Path'; allowed: what load_config returns"):
         ask(REFERENCE, results["recordings"])

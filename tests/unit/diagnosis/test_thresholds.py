@@ -41,6 +41,8 @@ EFFORT = {
     "_BINS",
     "_MOST_VALUES",
     "_RIDGE",
+    "_FLAT",
+    "_WIDE",
     "_TRIVIAL",
     "_MOST_SAMPLES",
     "_WIDTHS",
