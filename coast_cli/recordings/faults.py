@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 OFF_STEP = 0.05  # of a step: a multiple of it is no further off
-MANY_GAPS, ON_STEP = 12, 0.85  # of so many gaps, the share that must be multiples
+MANY_GAPS, ON_STEP = 12, 0.7  # of so many gaps, the share that must be multiples; an outlier makes two that are not
 CHANCE_OF_A_REPEAT = 0.05  # above it rounding makes neighbours equal often enough
 MORE_THAN_CHANCE = 3.0
 FEWEST_REPEATS = 3
