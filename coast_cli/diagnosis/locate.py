@@ -68,7 +68,7 @@ def locate(samples: Samples, noise: float, correlation: float) -> tuple[Region, 
     regions = []
     for axis, inside in _best_by_axis(samples, floor):
         gain, excess_in, excess_out = _two_variances(samples, inside, floor)
-        p_value = min(1.0, len(looks) * looks[axis] * np.exp(-gain * (1.0 - known) / (1.0 + known)))
+        p_value = min(1.0, len(looks) * looks[axis] * np.exp(min(-gain * (1.0 - known) / (1.0 + known), 0.0)))
         if p_value > SIGNIFICANT or np.all(inside):
             continue
         share = excess_in / max(excess_in + excess_out, 1e-300)
