@@ -96,7 +96,7 @@ def is_unchanged(recorded, times):
 
 
 def test_last_bits_of_a_recording_change_nothing():
-    assert diagnosed(*generated())["effects"]
+    assert diagnosed(*generated())["verdict"] not in ("agrees", "parameters")
     assert all(is_unchanged(generated(), 3))
 
 
